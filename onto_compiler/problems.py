@@ -1,0 +1,85 @@
+"""What is wrong with an input, where it stands, and what to do about it.
+
+Every fault that a person can cause becomes a :class:`Problem`; code that cannot go on raises :class:`OntoError`, which
+the command line prints without a traceback.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+__all__ = ["OntoError", "Problem", "Span", "near", "render"]
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Span:
+    """A place in a file; lines and columns count from 1, the end is exclusive."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+    end_line: int = 0
+    end_column: int = 0
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Problem:
+    """One fault: ``code`` names its page in ``docs/errors``; line and column are 0 where a file as a whole is meant."""
+
+    file: str
+    line: int
+    column: int
+    code: str
+    severity: str  # "error" | "warning"
+    message: str
+    hint: str = ""
+
+    @classmethod
+    def at(cls, span: Span, code: str, message: str, hint: str = "", severity: str = "error") -> Problem:
+        """Build a problem at ``span``."""
+        return cls(span.file, span.line, span.column, code, severity, message, hint)
+
+    def as_dict(self) -> dict[str, str | int]:
+        """The record that ``--format json`` prints."""
+        names = ("code", "severity", "file", "line", "column", "message", "hint")
+        return {name: getattr(self, name) for name in names}
+
+
+class OntoError(Exception):
+    """A fault in what a person gave us; carries every problem that was found, in file order."""
+
+    def __init__(self, *problems: Problem) -> None:
+        self.problems = tuple(sorted(problems))
+        super().__init__("\n".join(f"{p.code}: {p.message}" for p in self.problems))
+
+    @classmethod
+    def of(cls, code: str, message: str, hint: str = "", file: str = "") -> OntoError:
+        """An error with a single problem that has no line of its own."""
+        return cls(Problem(file, 0, 0, code, "error", message, hint))
+
+    def __reduce__(self) -> tuple[type[OntoError], tuple[Problem, ...]]:
+        """Pickle by problems, so that a worker process can raise to its parent."""
+        return (OntoError, self.problems)
+
+
+def near(name: str, known: Iterable[str]) -> str:
+    """``did you mean `x`?`` for the closest of ``known``, or an empty string."""
+    match = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return f"did you mean `{match[0]}`?" if match else ""
+
+
+def render(problem: Problem, source: str | None = None) -> str:
+    """One problem as a compiler prints it: code, place, the line with a caret when ``source`` holds it, and the hint."""
+    lines = [f"{problem.severity}[{problem.code}]: {problem.message}"]
+    if problem.file:
+        place = f"{problem.file}:{problem.line}:{problem.column}" if problem.line else problem.file
+        lines.append(f"  --> {place}")
+    rows = source.splitlines() if source else []
+    if 0 < problem.line <= len(rows):
+        text = rows[problem.line - 1].replace("\t", " ")
+        lines += [f"   | {text}", f"   | {' ' * max(problem.column - 1, 0)}^"]
+    if problem.hint:
+        lines.append(f"   = help: {problem.hint}")
+    return "\n".join(lines)

@@ -1,0 +1,58 @@
+"""The required ABox: which typed facts a task asks for (paper, section 3: A*_g = phi_req(g))."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from onto_compiler.problems import Span
+from onto_compiler.schema import local_name
+
+__all__ = ["Entity", "Fact", "NativeAtom", "RequiredABox"]
+
+
+@dataclass(frozen=True, slots=True)
+class Entity:
+    """An argument of a fact: a name that the scene knows (or a threshold's local name) and its class or threshold IRI."""
+
+    name: str
+    type: str
+
+
+@dataclass(frozen=True, slots=True)
+class NativeAtom:
+    """The atom as the task file has it, which is what the native predicate tests."""
+
+    predicate: str
+    arguments: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return f"{self.predicate}({', '.join(self.arguments)})"
+
+
+@dataclass(frozen=True, slots=True)
+class Fact:
+    """One required assertion. ``threshold`` is the smallest margin that satisfies it, in the predicate's margin unit."""
+
+    predicate: str  # IRI
+    arguments: tuple[Entity, ...]
+    native: NativeAtom
+    grounded_by: str
+    polarity: bool = True
+    threshold: float = 0.0
+    span: Span | None = None
+
+    def __str__(self) -> str:
+        text = f"{local_name(self.predicate)}({', '.join(a.name for a in self.arguments)})"
+        return text if self.polarity else f"not {text}"
+
+
+@dataclass(frozen=True, slots=True)
+class RequiredABox:
+    """``facts`` must all hold at the end (the goal); ``premise`` must hold after settling (the task's ``:init``)."""
+
+    task: str
+    language: str
+    problem: str
+    facts: tuple[Fact, ...]
+    premise: tuple[Fact, ...] = ()
+    source: str = ""  # path of the task file

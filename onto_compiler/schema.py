@@ -1,0 +1,102 @@
+"""The compiled TBox: what :mod:`onto_compiler.compile_schema` reads out of Turtle, as immutable Python.
+
+IRIs are plain strings. Where a table is ordered, the order is part of the meaning (bindings are tried first to last).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+__all__ = [
+    "Binding",
+    "JointThreshold",
+    "PredicateSignature",
+    "Route",
+    "Schema",
+    "local_name",
+]
+
+
+def local_name(iri: str) -> str:
+    """The part of an IRI after its last ``#`` or ``/``."""
+    return re.split(r"[#/]", iri)[-1]
+
+
+@dataclass(frozen=True, slots=True)
+class PredicateSignature:
+    """A typed predicate: ``name`` is its ``skos:notation``; ``parameters`` holds one class IRI per argument."""
+
+    iri: str
+    name: str
+    kind: str  # the subclass of core:Predicate that routes and rules speak of
+    parameters: tuple[str, ...]
+    margin_unit: str | None  # a QUDT unit IRI; None where no continuous margin is defined
+    grounded_by: str | None  # the registered name of the function that grounds it, unless its binding names another
+    definition: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class JointThreshold:
+    """When a joint counts as open, closed, on or off: ``qpos`` above or below ``bound`` (radians or metres)."""
+
+    iri: str
+    category: str  # the asset category whose joints it speaks of
+    native: str  # the native predicate that it serves, e.g. "Open"
+    above: bool
+    bound: float
+    inclusive: bool
+    every_joint: bool  # True: all joints must pass; False: any
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """Lifts a native atom to a typed predicate, when the atom's argument types (and region name) match."""
+
+    iri: str
+    native: str
+    arguments: tuple[str, ...]  # class IRI of each native argument
+    lifts: str  # predicate IRI
+    grounded_by: str
+    order: int
+    landmark: re.Pattern[str] | None = None  # on the region's name; its group "landmark" names the second argument
+    threshold: bool = False  # the second argument is the category's JointThreshold
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """A declared correction route: a dispatch label, not a robot action."""
+
+    iri: str
+    name: str
+    level: str  # "plan" | "state" | "action"
+    admits: frozenset[str]  # failure classes
+    supports: frozenset[str]  # kinds of predicate
+    on_rejection: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Schema:
+    """Everything that the rest of the system needs to know of the ontology."""
+
+    classes: Mapping[str, frozenset[str]]  # class IRI -> the class and all its superclasses
+    predicates: Mapping[str, PredicateSignature]
+    failures: Mapping[str, int]  # failure class IRI -> priority, the smaller the sooner
+    routes: Mapping[str, Route]
+    bindings: tuple[Binding, ...]
+    thresholds: Mapping[tuple[str, str], JointThreshold]  # (category, native predicate)
+    categories: Mapping[str, str]  # asset category -> class IRI
+    regions: Mapping[tuple[str, str], str]  # (category of the target, region name) -> class IRI
+    defaults: Mapping[str, str]  # "object" | "fixture" | "region" | "workspace_region" -> class IRI
+    labels: Mapping[str, str] = field(default_factory=dict)
+
+    def is_a(self, cls: str, ancestor: str) -> bool:
+        """Whether class ``cls`` is ``ancestor`` or one of its subclasses."""
+        return ancestor in self.classes.get(cls, frozenset((cls,)))
+
+    def predicate_named(self, name: str) -> PredicateSignature | None:
+        """The predicate whose notation is ``name``, compared without case."""
+        folded = name.casefold()
+        return next((p for p in self.predicates.values() if p.name.casefold() == folded), None)

@@ -1,0 +1,1 @@
+"""Observation in, repaired and verified episode out."""

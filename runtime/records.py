@@ -1,0 +1,121 @@
+"""What a correction loop records, in the order of Algorithm 1 of the paper. Each has an RDF form in :mod:`runtime.trace`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grounding.observation import Observation
+from onto_compiler.required import Fact, RequiredABox
+
+__all__ = [
+    "Application",
+    "Attempt",
+    "Diagnosis",
+    "Episode",
+    "Proposal",
+    "RouteDecision",
+    "Verification",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """One unsatisfied required fact, kept whole: d_f = (f, c_f, m_f)."""
+
+    fact: Fact
+    index: int  # of the fact in the required ABox
+    failure: str  # failure class IRI
+    status: str  # evidence status IRI: absent, explicitly false or margin violated
+    truth: bool  # as observed
+    margin: float  # NaN where none is defined
+    limit: str  # the term of the margin that decides it
+    source: str  # "sim" | "pred"
+    rule: str  # IRI of the rule that fired
+    priority: int
+
+
+@dataclass(frozen=True, slots=True)
+class RouteDecision:
+    """Pi_R: the route that a rule assigned to a diagnosis, and why."""
+
+    route: str  # IRI
+    diagnosis: Diagnosis
+    level: str  # "plan" | "state" | "action"
+    decision: str  # IRI: dispatch, retry or reroute
+    rule: str
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """q = P_r(s, A*_g, d). For a state-level route: the whole ``qpos`` to write, and the addresses that it changes."""
+
+    route: str
+    proposer: str
+    candidate: int
+    qpos: NDArray[np.float64]
+    changed: tuple[int, ...]  # qpos addresses
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Application:
+    """What was done with a proposal: ``mode`` is "none" (a plan only retained), "state" or "controller"."""
+
+    proposal: Proposal
+    mode: str
+    displacement: float  # L2 norm of the change of qpos
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """The native predicate's answer. ``settled`` is None until somebody asked whether it still holds after settling."""
+
+    query: str
+    outcome: bool
+    settled: bool | None = None
+    settle_steps: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """One turn of the loop; ``fault`` names a RunFault (a NaN, a crash), which is not an execution failure."""
+
+    index: int
+    observation: Observation
+    diagnoses: tuple[Diagnosis, ...]
+    selected: RouteDecision
+    application: Application | None = None
+    verification: Verification | None = None
+    fault: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Episode:
+    """A whole run of Algorithm 1 on one task and initial state.
+
+    ``outcome`` is one of ``retained``, ``verified``, ``accepted``, ``unresolved`` (the budget is spent),
+    ``grounding_verifier_disagreement``, ``run_fault``.
+    """
+
+    task: str
+    suite: str
+    state_index: int
+    seed: int
+    required: RequiredABox
+    initial: Observation
+    premise: Observation
+    premise_holds: bool
+    attempts: tuple[Attempt, ...]
+    final: Observation
+    outcome: str
+    verification: Verification | None
+    provenance: tuple[tuple[str, Any], ...] = ()  # versions and seconds, as (name, value)
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the native predicate accepted a state that this episode applied, or the one it started from."""
+        return self.outcome in {"accepted", "verified"}

@@ -120,7 +120,7 @@ class Scene:
         return self._sites[name]
 
     def site_parent(self, site: str) -> str | None:
-        """Name the entity that carries ``site``, or None when it lies on the table or floor, as LIBERO's ``parent_name``."""
+        """Name the entity that carries ``site``; None on the table or floor (LIBERO's ``parent_name``)."""
         return self._owner[int(self.model.site_bodyid[self.site(site)])]
 
     def is_site(self, name: str) -> bool:

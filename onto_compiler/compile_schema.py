@@ -1,0 +1,195 @@
+"""TBox in, :class:`Schema` out: one SPARQL query per table, run by Oxigraph."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import cast
+
+from pyoxigraph import QuerySolutions, Store
+
+from onto_compiler.problems import OntoError
+from onto_compiler.rdf import CORE, prologue
+from onto_compiler.schema import Binding, JointThreshold, PredicateSignature, Route, Schema, local_name
+from onto_compiler.sources import load_store
+
+__all__ = ["compile_schema", "load_schema"]
+
+_PREDICATES = """
+SELECT ?this ?kind ?name ?domain ?range ?unit ?grounded ?definition WHERE {
+    ?this a ?kind . ?kind rdfs:subClassOf* core:Predicate .
+    OPTIONAL { ?this skos:notation ?name } OPTIONAL { ?this skos:definition ?definition }
+    OPTIONAL { ?this core:domain ?domain } OPTIONAL { ?this core:range ?range }
+    OPTIONAL { ?this core:marginUnit ?unit } OPTIONAL { ?this core:groundedBy ?grounded }
+} ORDER BY ?this ?kind"""
+_BINDINGS = """
+SELECT ?this ?native ?first ?second ?lifts ?grounded ?order ?pattern ?threshold WHERE {
+    ?this a core:Binding ; core:native ?native ; core:lifts ?lifts ; core:groundedBy ?grounded .
+    OPTIONAL { ?this core:nativeArgument1 ?first } OPTIONAL { ?this core:nativeArgument2 ?second }
+    OPTIONAL { ?this core:order ?order } OPTIONAL { ?this core:landmarkPattern ?pattern }
+    OPTIONAL { ?this core:bindsThreshold ?threshold }
+} ORDER BY ?order ?this"""
+_THRESHOLDS = """
+SELECT ?this ?category ?native ?above ?bound ?inclusive ?every ?unit WHERE {
+    ?this a/rdfs:subClassOf* core:Threshold ; core:category ?category ; core:native ?native ; core:above ?above ;
+        core:bound ?bound ; core:inclusive ?inclusive ; core:everyJoint ?every ; core:unit ?unit .
+} ORDER BY ?this"""
+_ROUTES = """
+SELECT ?this ?name ?level ?admits ?supports ?next WHERE {
+    ?this a/rdfs:subClassOf* core:CorrectionRoute ; core:level/skos:notation ?level .
+    OPTIONAL { ?this skos:notation ?name } OPTIONAL { ?this core:admits ?admits }
+    OPTIONAL { ?this core:supports ?supports } OPTIONAL { ?this core:onRejection ?next }
+} ORDER BY ?this"""
+_FAILURES = """
+SELECT ?this ?priority WHERE {
+    ?this rdfs:subClassOf+ core:Failure . OPTIONAL { ?this core:priority ?priority } } ORDER BY ?this"""
+_CATEGORIES = """
+SELECT ?this ?type ?category ?region ?class WHERE {
+    VALUES ?type { core:Category core:RegionCategory core:Default }
+    ?this a ?type ; core:category ?category ; core:instanceClass ?class . OPTIONAL { ?this core:region ?region }
+} ORDER BY ?this"""
+_CLASSES = "SELECT ?this ?above WHERE { ?this a owl:Class . OPTIONAL { ?this rdfs:subClassOf+ ?above . FILTER isIRI(?above) } }"
+_LABELS = "SELECT ?this ?label WHERE { ?this rdfs:label ?label }"
+
+Row = Mapping[str, str]
+
+
+@lru_cache(maxsize=4)
+def load_schema(*extra: str | Path) -> Schema:
+    """The shipped TBox and bindings, with a person's own Turtle on top, as a :class:`Schema`."""
+    return compile_schema(load_store(extra))
+
+
+def compile_schema(store: Store) -> Schema:
+    """Read every table of the schema out of ``store`` (all its graphs).
+
+    Raises:
+        OntoError: SCH001, where a declaration lacks what its table needs; `onto check` says it with the line.
+
+    """
+    classes: dict[str, set[str]] = {}
+    for row in _rows(store, _CLASSES):
+        classes.setdefault(row["this"], {row["this"]}).update({row["above"]} if "above" in row else ())
+    closure = {iri: frozenset(above) for iri, above in classes.items()}
+    categories, regions, defaults = _categories(store)
+    return Schema(
+        classes=closure,
+        predicates=_predicates(store, closure),
+        failures={row["this"]: int(row.get("priority", 1000)) for row in _rows(store, _FAILURES)},
+        routes=_routes(store),
+        bindings=_bindings(store),
+        thresholds=_thresholds(store),
+        categories=categories,
+        regions=regions,
+        defaults=defaults,
+        labels={row["this"]: row["label"] for row in _rows(store, _LABELS)},
+    )
+
+
+def _rows(store: Store, query: str) -> Iterator[Row]:
+    solutions = cast("QuerySolutions", store.query(prologue() + query, use_default_graph_as_union=True))
+    names = [variable.value for variable in solutions.variables]
+    for solution in solutions:
+        yield {name: solution[name].value for name in names if solution[name] is not None}
+
+
+def _predicates(store: Store, classes: Mapping[str, frozenset[str]]) -> dict[str, PredicateSignature]:
+    found: dict[str, PredicateSignature] = {}
+    for row in _rows(store, _PREDICATES):
+        earlier = found.get(row["this"])
+        # A predicate typed with a kind and with one of its superclasses keeps the narrower kind.
+        if earlier is not None and row["kind"] in classes.get(earlier.kind, ()):
+            continue
+        found[row["this"]] = PredicateSignature(
+            iri=row["this"],
+            name=row.get("name", local_name(row["this"])),
+            kind=row["kind"],
+            parameters=tuple(row[key] for key in ("domain", "range") if key in row),
+            margin_unit=row.get("unit"),
+            grounded_by=row.get("grounded"),
+            definition=row.get("definition", ""),
+        )
+    return found
+
+
+def _bindings(store: Store) -> tuple[Binding, ...]:
+    return tuple(
+        Binding(
+            iri=row["this"],
+            native=row["native"],
+            arguments=tuple(row[key] for key in ("first", "second") if key in row),
+            lifts=row["lifts"],
+            grounded_by=row["grounded"],
+            order=int(row.get("order", 1000)),
+            landmark=_pattern(row["this"], row["pattern"]) if "pattern" in row else None,
+            threshold=row.get("threshold") == "true",
+        )
+        for row in sorted(_rows(store, _BINDINGS), key=lambda row: (int(row.get("order", 1000)), row["this"]))
+    )
+
+
+def _pattern(iri: str, text: str) -> re.Pattern[str]:
+    """A ``core:landmarkPattern``: named groups are written ``(?<name>...)``, as in SPARQL's and JavaScript's relatives."""
+    try:
+        pattern = re.compile(re.sub(r"\(\?<(?=\w)", "(?P<", text))
+    except re.error as error:
+        raise OntoError.of("SCH001", f"the landmark pattern of {iri} is no regular expression: {error}") from error
+    if "landmark" not in pattern.groupindex:
+        raise OntoError.of("SCH001", f"the landmark pattern of {iri} has no group `(?<landmark>...)`")
+    return pattern
+
+
+def _thresholds(store: Store) -> dict[tuple[str, str], JointThreshold]:
+    return {
+        (row["category"], row["native"]): JointThreshold(
+            iri=row["this"],
+            category=row["category"],
+            native=row["native"],
+            above=row["above"] == "true",
+            bound=float(row["bound"]),
+            inclusive=row["inclusive"] == "true",
+            every_joint=row["every"] == "true",
+            unit=row["unit"],
+        )
+        for row in _rows(store, _THRESHOLDS)
+    }
+
+
+def _routes(store: Store) -> dict[str, Route]:
+    gathered: dict[str, dict[str, set[str]]] = {}
+    for row in _rows(store, _ROUTES):
+        fields = gathered.setdefault(row["this"], {})
+        for key, value in row.items():
+            fields.setdefault(key, set()).add(value)
+    return {
+        iri: Route(
+            iri=iri,
+            name=_one(fields, "name") or local_name(iri),
+            level=_one(fields, "level") or "",
+            admits=frozenset(fields.get("admits", ())),
+            supports=frozenset(fields.get("supports", ())),
+            on_rejection=_one(fields, "next"),
+        )
+        for iri, fields in gathered.items()
+    }
+
+
+def _one(fields: Mapping[str, set[str]], key: str) -> str | None:
+    return min(fields[key]) if key in fields else None
+
+
+def _categories(store: Store) -> tuple[dict[str, str], dict[tuple[str, str], str], dict[str, str]]:
+    categories: dict[str, str] = {}
+    regions: dict[tuple[str, str], str] = {}
+    defaults: dict[str, str] = {}
+    for row in _rows(store, _CATEGORIES):
+        match row["type"].removeprefix(CORE):
+            case "Category":
+                categories[row["category"]] = row["class"]
+            case "RegionCategory":
+                regions[row["category"], row.get("region", "")] = row["class"]
+            case _:
+                defaults[row["category"]] = row["class"]
+    return categories, regions, defaults

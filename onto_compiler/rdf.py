@@ -1,0 +1,90 @@
+"""Namespaces, and the few conversions between RDF terms and Python that several modules need."""
+
+from __future__ import annotations
+
+from pyoxigraph import Literal, NamedNode
+
+__all__ = [
+    "BASE",
+    "CORE",
+    "MAN",
+    "OWL",
+    "PREFIXES",
+    "PROV",
+    "RDF",
+    "RDFS",
+    "SH",
+    "SKOS",
+    "TRACE",
+    "XSD",
+    "boolean",
+    "double",
+    "integer",
+    "node",
+    "prologue",
+    "shorten",
+]
+
+BASE = "https://w3id.org/onto-evwm/"
+CORE = BASE + "core#"
+MAN = BASE + "manipulation#"
+TRACE = BASE + "trace#"
+OWL = "http://www.w3.org/2002/07/owl#"
+PROV = "http://www.w3.org/ns/prov#"
+RDF = "http://www.w3.org/1999/02/22-rdf-syntax-ns#"
+RDFS = "http://www.w3.org/2000/01/rdf-schema#"
+SH = "http://www.w3.org/ns/shacl#"
+SKOS = "http://www.w3.org/2004/02/skos/core#"
+XSD = "http://www.w3.org/2001/XMLSchema#"
+
+PREFIXES = {
+    "core": CORE,
+    "dcterms": "http://purl.org/dc/terms/",
+    "lib": BASE + "libero#",
+    "man": MAN,
+    "owl": OWL,
+    "prov": PROV,
+    "qudt": "http://qudt.org/schema/qudt/",
+    "rdf": RDF,
+    "rdfs": RDFS,
+    "rule": BASE + "rules#",
+    "sh": SH,
+    "shape": BASE + "shapes#",
+    "skos": SKOS,
+    "trace": TRACE,
+    "unit": "http://qudt.org/vocab/unit/",
+    "xsd": XSD,
+}
+
+
+def node(iri: str) -> NamedNode:
+    """An IRI as an RDF term."""
+    return NamedNode(iri)
+
+
+def boolean(value: bool) -> Literal:  # noqa: FBT001 - the value is the whole argument
+    """An ``xsd:boolean`` literal."""
+    return Literal("true" if value else "false", datatype=NamedNode(XSD + "boolean"))
+
+
+def integer(value: int) -> Literal:
+    """An ``xsd:integer`` literal."""
+    return Literal(str(int(value)), datatype=NamedNode(XSD + "integer"))
+
+
+def double(value: float) -> Literal:
+    """An ``xsd:double`` literal whose lexical form reads back to the same number."""
+    return Literal(repr(float(value)), datatype=NamedNode(XSD + "double"))
+
+
+def prologue() -> str:
+    """SPARQL ``PREFIX`` lines for every namespace that the project uses."""
+    return "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in PREFIXES.items())
+
+
+def shorten(iri: str) -> str:
+    """``prefix:local`` where one of our prefixes fits, else the IRI itself."""
+    for prefix, namespace in PREFIXES.items():
+        if iri.startswith(namespace) and len(iri) > len(namespace):
+            return f"{prefix}:{iri[len(namespace) :]}"
+    return iri

@@ -1,0 +1,87 @@
+"""Turtle files in, one in-memory store out; each file is a named graph, so that a fault can name its file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from pyoxigraph import NamedNode, RdfFormat, Store
+
+import ontology
+from onto_compiler.problems import OntoError, Problem
+
+__all__ = ["collect", "graph_of", "load_store", "parse_problem", "read_into"]
+
+_PLACE = re.compile(r"line (\d+) column (\d+)")
+
+
+def collect(paths: Iterable[Path | str]) -> tuple[Path, ...]:
+    """Turtle files among ``paths``; a folder stands for every ``*.ttl`` below it.
+
+    Raises:
+        OntoError: TTL002, where a path does not exist or a folder holds no Turtle.
+
+    """
+    found: list[Path] = []
+    problems = []
+    for given in map(Path, paths):
+        files = sorted(given.rglob("*.ttl")) if given.is_dir() else [given]
+        if not given.exists():
+            problems.append(_unreadable(given, f"`{given}` does not exist"))
+        elif not files:
+            problems.append(_unreadable(given, f"`{given}` holds no Turtle file (*.ttl)"))
+        else:
+            found += files
+    if problems:
+        raise OntoError(*problems)
+    return tuple(dict.fromkeys(path.resolve() for path in found))
+
+
+def load_store(extra: Sequence[Path | str] = (), *, shipped: bool = True) -> Store:
+    """The shipped ontology and a person's own files (``--ontology PATH...``) in one store.
+
+    Raises:
+        OntoError: TTL001 for every file that is not Turtle, TTL002 for one that cannot be read.
+
+    """
+    store = Store()
+    problems: list[Problem] = []
+    files = dict.fromkeys([*(ontology.turtle_files() if shipped else ()), *collect(extra)])
+    for path in files:
+        problems += read_into(store, path)
+    if problems:
+        raise OntoError(*problems)
+    return store
+
+
+def graph_of(path: Path) -> NamedNode:
+    """The named graph that holds a file's triples."""
+    return NamedNode(path.as_uri())
+
+
+def read_into(store: Store, path: Path) -> list[Problem]:
+    """Load one file into its named graph; return what is wrong with it instead of raising."""
+    try:
+        store.load(path=str(path), format=RdfFormat.TURTLE, base_iri=path.as_uri(), to_graph=graph_of(path))
+    except SyntaxError as error:
+        return [parse_problem(path, error)]
+    except (OSError, UnicodeDecodeError) as error:
+        return [_unreadable(path, f"cannot read `{path.name}`: {error}")]
+    return []
+
+
+def parse_problem(path: Path, error: SyntaxError) -> Problem:
+    """Oxigraph's syntax error as a problem with a place."""
+    text = str(error)
+    line, column = error.lineno or 0, error.offset or 0
+    if not line and (match := _PLACE.search(text)):
+        line, column = int(match[1]), int(match[2])
+    message = re.sub(r"^Parser error (at|between) line .*?: ", "", text)
+    return Problem(str(path), line, column, "TTL001", "error", f"not Turtle: {message}", "see `onto explain TTL001`")
+
+
+def _unreadable(path: Path, message: str) -> Problem:
+    return Problem(
+        str(path), 0, 0, "TTL002", "error", message, "give an existing Turtle file or a folder that holds some"
+    )

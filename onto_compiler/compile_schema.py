@@ -50,7 +50,9 @@ SELECT ?this ?type ?category ?region ?class WHERE {
     VALUES ?type { core:Category core:RegionCategory core:Default }
     ?this a ?type ; core:category ?category ; core:instanceClass ?class . OPTIONAL { ?this core:region ?region }
 } ORDER BY ?this"""
-_CLASSES = "SELECT ?this ?above WHERE { ?this a owl:Class . OPTIONAL { ?this rdfs:subClassOf+ ?above . FILTER isIRI(?above) } }"
+_CLASSES = """
+SELECT ?this ?above WHERE {
+    ?this a owl:Class . OPTIONAL { ?this rdfs:subClassOf+ ?above . FILTER isIRI(?above) } }"""
 _LABELS = "SELECT ?this ?label WHERE { ?this rdfs:label ?label }"
 
 Row = Mapping[str, str]
@@ -131,7 +133,7 @@ def _bindings(store: Store) -> tuple[Binding, ...]:
 
 
 def _pattern(iri: str, text: str) -> re.Pattern[str]:
-    """A ``core:landmarkPattern``: named groups are written ``(?<name>...)``, as in SPARQL's and JavaScript's relatives."""
+    """A ``core:landmarkPattern``: named groups are written ``(?<name>...)``, as JavaScript has them."""
     try:
         pattern = re.compile(re.sub(r"\(\?<(?=\w)", "(?P<", text))
     except re.error as error:

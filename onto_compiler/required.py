@@ -12,7 +12,7 @@ __all__ = ["Entity", "Fact", "NativeAtom", "RequiredABox"]
 
 @dataclass(frozen=True, slots=True)
 class Entity:
-    """An argument of a fact: a name that the scene knows (or a threshold's local name) and its class or threshold IRI."""
+    """An argument of a fact: the name that the scene knows (or a threshold's local name), and its class (or own) IRI."""
 
     name: str
     type: str
@@ -31,7 +31,7 @@ class NativeAtom:
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One required assertion. ``threshold`` is the smallest margin that satisfies it, in the predicate's margin unit."""
+    """One required assertion. ``threshold`` is the smallest margin that satisfies it, in the margin's unit."""
 
     predicate: str  # IRI
     arguments: tuple[Entity, ...]

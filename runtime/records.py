@@ -1,4 +1,4 @@
-"""What a correction loop records, in the order of Algorithm 1 of the paper. Each has an RDF form in :mod:`runtime.trace`."""
+"""What a correction loop records, in the order of the paper's Algorithm 1; :mod:`runtime.trace` has the RDF forms."""
 
 from __future__ import annotations
 

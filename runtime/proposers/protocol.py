@@ -21,8 +21,8 @@ __all__ = ["Proposer", "Request"]
 class Request:
     """The arguments of P_r(s, A*_g, d): geometry through ``scene``, never a task name.
 
-    ``qpos`` (nq,) and ``qvel`` (nv,) are the current state. ``candidate`` counts what this route already offered for this
-    fact in this episode. ``observe`` grounds the required facts on a scratch copy in which ``qpos`` was written.
+    ``qpos`` (nq,) and ``qvel`` (nv,) are the current state. ``candidate`` counts what this route already offered for
+    this fact in this episode. ``observe`` grounds the required facts on a scratch copy in which ``qpos`` was written.
     """
 
     scene: Scene

@@ -16,7 +16,7 @@ class Evidence:
     """What one grounding function found for one atom.
 
     ``truth`` is the native predicate's own value. ``margin`` is signed, positive when satisfied, in the predicate's
-    unit, NaN where none is defined; ``limit`` names the term that decides it (``contact``, ``x``, ``height``, ``qpos`` ...).
+    unit, NaN where none is defined; ``limit`` names the term that decides it (``contact``, ``x``, ``height`` ...).
     """
 
     truth: bool

@@ -71,7 +71,7 @@ def near(name: str, known: Iterable[str]) -> str:
 
 
 def render(problem: Problem, source: str | None = None) -> str:
-    """One problem as a compiler prints it: code, place, its line with a caret when ``source`` holds it, and the hint."""
+    """One problem as a compiler prints it: code, place, line with a caret when ``source`` holds it, and the hint."""
     lines = [f"{problem.severity}[{problem.code}]: {problem.message}"]
     if problem.file:
         place = f"{problem.file}:{problem.line}:{problem.column}" if problem.line else problem.file

@@ -12,7 +12,7 @@ __all__ = ["Entity", "Fact", "NativeAtom", "RequiredABox"]
 
 @dataclass(frozen=True, slots=True)
 class Entity:
-    """An argument of a fact: the name that the scene knows (or a threshold's local name), and its class (or own) IRI."""
+    """An argument of a fact: the name that the scene knows (or a threshold's local name) and its class or own IRI."""
 
     name: str
     type: str

@@ -1,0 +1,173 @@
+"""Rules as lookup tables: the rule base is run once over every evidence status that a required fact can have.
+
+A control loop or a planner then diagnoses by lookup. The tables hold what the rules concluded and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import product
+from pathlib import Path
+from typing import TypeVar, cast
+
+from pyoxigraph import NamedNode, Quad, QuerySolutions, Store
+
+from onto_compiler.compile_schema import compile_schema
+from onto_compiler.problems import OntoError
+from onto_compiler.rdf import CORE, RDF, boolean, node, prologue
+from onto_compiler.rules import Rule, apply_rules, read_rules
+from onto_compiler.schema import Schema
+from onto_compiler.sources import load_store
+
+__all__ = [
+    "ABSENT",
+    "ATTEMPT_STATUSES",
+    "EXHAUSTED",
+    "EXPLICITLY_FALSE",
+    "FIRST",
+    "MARGIN_VIOLATED",
+    "REPEAT",
+    "SATISFIED",
+    "STATUSES",
+    "DiagnosisEntry",
+    "RouteEntry",
+    "RuleTables",
+    "compile_tables",
+    "load_tables",
+]
+
+SATISFIED, ABSENT, EXPLICITLY_FALSE, MARGIN_VIOLATED = STATUSES = tuple(
+    CORE + name for name in ("Satisfied", "Absent", "ExplicitlyFalse", "MarginViolated")
+)
+FIRST, REPEAT, EXHAUSTED = ATTEMPT_STATUSES = tuple(
+    CORE + name for name in ("FirstAttempt", "RepeatAttempt", "ExhaustedAttempt")
+)
+_CASES = NamedNode("urn:onto-evwm:cases")
+_DIAGNOSED = """
+SELECT ?this ?failure ?rule ?priority WHERE {
+    ?this core:failureClass ?failure ; core:diagnosedBy ?rule . OPTIONAL { ?this core:priority ?priority }
+} ORDER BY ?this ?failure ?rule ?priority"""
+_ROUTED = """
+SELECT ?this ?route ?decision ?rule WHERE {
+    ?this core:route ?route ; core:decision ?decision ; core:routedBy ?rule } ORDER BY ?this ?route ?decision ?rule"""
+
+DiagnosisKey = tuple[str, bool, str]  # predicate, polarity, status
+RouteKey = tuple[str, str, str, str | None]  # predicate, failure, attempt status, previous route
+Key = TypeVar("Key")
+Entry = TypeVar("Entry")
+
+
+@dataclass(frozen=True, slots=True)
+class DiagnosisEntry:
+    """What the diagnosis and priority rules conclude of one combination."""
+
+    failure: str
+    rule: str
+    priority: int
+
+
+@dataclass(frozen=True, slots=True)
+class RouteEntry:
+    """What the routing rules conclude of one combination."""
+
+    route: str
+    decision: str
+    rule: str
+
+
+@dataclass(frozen=True, slots=True)
+class RuleTables:
+    """``diagnosis[predicate, polarity, status]`` and ``routing[predicate, failure, attempt status, previous route]``.
+
+    A combination that is missing is one that no rule speaks of.
+    """
+
+    diagnosis: Mapping[DiagnosisKey, DiagnosisEntry]
+    routing: Mapping[RouteKey, RouteEntry]
+
+
+@lru_cache(maxsize=4)
+def load_tables(*extra: str | Path) -> RuleTables:
+    """The tables of the shipped rules, with a person's own Turtle on top."""
+    store = load_store(extra)
+    return compile_tables(store, compile_schema(store))
+
+
+def compile_tables(store: Store, schema: Schema) -> RuleTables:
+    """Run the rules of ``store`` over every combination that ``schema`` allows; ``store`` itself stays as it is.
+
+    Raises:
+        OntoError: RUL002, where two rules conclude different things of the same combination.
+    """
+    scratch = Store()
+    scratch.extend(iter(store))
+    rules = read_rules(scratch)
+    diagnosis = _diagnose(scratch, rules, schema)
+    routing = _route(scratch, rules, schema, diagnosis)
+    return RuleTables(diagnosis=diagnosis, routing=routing)
+
+
+def _diagnose(scratch: Store, rules: tuple[Rule, ...], schema: Schema) -> dict[DiagnosisKey, DiagnosisEntry]:
+    cases: dict[NamedNode, DiagnosisKey] = {}
+    for number, key in enumerate(product(schema.predicates, (True, False), STATUSES)):
+        cases[case := NamedNode(f"{_CASES.value}:observed:{number}")] = key
+        scratch.extend(_observed(case, *key))
+    apply_rules(scratch, rules, _CASES, cases)
+    found: dict[DiagnosisKey, DiagnosisEntry] = {}
+    for this, failure, rule, priority in _table(scratch, _DIAGNOSED, ("failure", "rule", "priority")):
+        if this in cases:
+            _put(found, cases[this], DiagnosisEntry(failure, rule, int(priority or 1000)))
+    return found
+
+
+def _route(
+    scratch: Store, rules: tuple[Rule, ...], schema: Schema, diagnosis: Mapping[DiagnosisKey, DiagnosisEntry]
+) -> dict[RouteKey, RouteEntry]:
+    pairs = sorted({(predicate, entry.failure) for (predicate, _, _), entry in diagnosis.items()})
+    cases: dict[NamedNode, RouteKey] = {}
+    for number, (pair, status, previous) in enumerate(product(pairs, ATTEMPT_STATUSES, (None, *schema.routes))):
+        if (status == FIRST) == (previous is None):
+            cases[case := NamedNode(f"{_CASES.value}:failure:{number}")] = (*pair, status, previous)
+            scratch.extend(_failed(case, *pair, status, previous))
+    apply_rules(scratch, rules, _CASES, cases)
+    found: dict[RouteKey, RouteEntry] = {}
+    for this, route, decision, rule in _table(scratch, _ROUTED, ("route", "decision", "rule")):
+        if this in cases:
+            _put(found, cases[this], RouteEntry(route, decision, rule))
+    return found
+
+
+def _observed(case: NamedNode, predicate: str, polarity: bool, status: str) -> Iterator[Quad]:  # noqa: FBT001
+    fact = NamedNode(f"{case.value}:fact")
+    yield Quad(fact, node(CORE + "predicate"), node(predicate), _CASES)
+    yield Quad(fact, node(CORE + "polarity"), boolean(polarity), _CASES)
+    yield Quad(case, node(RDF + "type"), node(CORE + "ObservedFact"), _CASES)
+    yield Quad(case, node(CORE + "fact"), fact, _CASES)
+    yield Quad(case, node(CORE + "status"), node(status), _CASES)
+
+
+def _failed(case: NamedNode, predicate: str, failure: str, status: str, previous: str | None) -> Iterator[Quad]:
+    fact = NamedNode(f"{case.value}:fact")
+    yield Quad(fact, node(CORE + "predicate"), node(predicate), _CASES)
+    yield Quad(case, node(RDF + "type"), node(failure), _CASES)
+    yield Quad(case, node(CORE + "failureClass"), node(failure), _CASES)
+    yield Quad(case, node(CORE + "fact"), fact, _CASES)
+    yield Quad(case, node(CORE + "attemptStatus"), node(status), _CASES)
+    if previous is not None:
+        yield Quad(case, node(CORE + "previousRoute"), node(previous), _CASES)
+
+
+def _table(store: Store, query: str, names: Iterable[str]) -> Iterator[tuple[NamedNode, str, str, str]]:
+    for row in cast("QuerySolutions", store.query(prologue() + query, use_default_graph_as_union=True)):
+        values = tuple("" if row[name] is None else row[name].value for name in names)
+        yield (cast("NamedNode", row["this"]), *values)  # type: ignore[misc]
+
+
+def _put(table: dict[Key, Entry], key: Key, entry: Entry) -> None:
+    earlier = table.setdefault(key, entry)
+    if earlier != entry:
+        raise OntoError.of(
+            "RUL002", f"rules disagree on {key}: {earlier} and {entry}", "let the two rules exclude each other"
+        )

@@ -1,0 +1,138 @@
+"""Text to syntax tree. Every problem of a file is collected: what is broken is taken out, and the rest read on."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+from lark import Lark, Token, Tree, UnexpectedToken
+
+from onto_compiler.bddl import codes
+from onto_compiler.bddl.ast import TaskSpec
+from onto_compiler.bddl.build import build
+from onto_compiler.bddl.expected import syntax_problem
+from onto_compiler.bddl.groups import Group, groups, unbalanced
+from onto_compiler.bddl.sections import KEYWORDS
+from onto_compiler.problems import OntoError, Problem, Span, near
+
+__all__ = ["parse", "parse_file"]
+
+
+def parse_file(path: str | Path) -> TaskSpec:
+    """Read the task file at ``path`` (UTF-8).
+
+    Raises:
+        OntoError: the file cannot be read, or is not a well-formed task.
+
+    """
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        hint = near(path.name, _neighbours(path)) if not path.exists() else ""
+        raise OntoError.of(codes.UNREADABLE, f"the task file cannot be read: {reason}", hint, str(path)) from None
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode("utf-8")
+        span = _point(str(path), before + "?", len(before))
+        message = f"byte 0x{data[error.start]:02x} is not UTF-8"
+        hint = "save the file with the encoding UTF-8"
+        raise OntoError(Problem.at(span, codes.UNREADABLE, message, hint)) from None
+    return parse(text, str(path))
+
+
+def parse(text: str, file: str = "<string>") -> TaskSpec:
+    """Read the task in ``text``; ``file`` is the name that problems are reported under.
+
+    Raises:
+        OntoError: ``text`` is not a well-formed task; the error holds every problem found.
+
+    """
+    if text.startswith("\ufeff"):
+        message, hint = "the file starts with a byte-order mark", "save it as UTF-8 without one; LIBERO cannot read it"
+        raise OntoError(Problem(file, 1, 1, codes.UNREADABLE, "error", message, hint))
+    if "\r" in text:
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if (slip := unbalanced(text)) is not None:
+        raise OntoError(_unbalanced_problem(text, file, *slip))
+    tree, problems, spoilt = _read(text, file)
+    if tree is not None:
+        spec, found = build(tree, file, spoilt)
+        if spec is not None and not problems:
+            return spec
+        problems += found
+    raise OntoError(*problems)
+
+
+@cache
+def _lark() -> Lark:
+    grammar = resources.files("onto_compiler.bddl").joinpath("grammar.lark").read_text("utf-8")
+    return Lark(grammar, start="task", parser="lalr", propagate_positions=True)
+
+
+def _read(text: str, file: str) -> tuple[Tree[Token] | None, list[Problem], frozenset[str]]:
+    """Parse ``text``; at a syntax error, blank the group that it is in and try again.
+
+    Returns the tree of what is left (None where nothing is), the problems, and the sections that were blanked.
+    """
+    problems: list[Problem] = []
+    spoilt: set[str] = set()
+    blanked: list[Group] = []
+    parts: tuple[Group, ...] | None = None
+    while True:
+        try:
+            return _lark().parse(text), problems, frozenset(spoilt)
+        except UnexpectedToken as error:
+            parts = groups(text) if parts is None else parts
+            position = len(text) if error.token.type == "$END" else error.token.start_pos or 0
+            group = next((part for part in parts if part.start <= position < part.end), None)
+            # A group that already lost a part is incomplete for that reason: its fault has been reported.
+            if group is None or not any(group.start <= part.start < group.end for part in blanked):
+                problems.append(syntax_problem(error, _lark(), _point(file, text, position), group))
+            if group is None or group.parent is None:
+                return None, problems, frozenset(spoilt)
+            blanked.append(group)
+            if group.parent.parent is None:
+                spoilt |= _section_named(group.head)
+            text = _blank(text, group)
+
+
+def _section_named(head: str) -> set[str]:
+    """The section that ``head`` begins or was meant to begin."""
+    names = {keyword: name for name, keyword in KEYWORDS.items()}
+    return {names[match] for match in difflib.get_close_matches(head, names, n=1)}
+
+
+def _blank(text: str, group: Group) -> str:
+    hole = "".join("\n" if character == "\n" else " " for character in text[group.start : group.end])
+    return text[: group.start] + hole + text[group.end :]
+
+
+def _unbalanced_problem(text: str, file: str, position: int, which: str) -> Problem:
+    span = _point(file, text, position)
+    if which == "(":
+        word = text[position + 1 :].split(maxsplit=1)
+        name = f"({word[0].strip('()')}" if word and word[0].strip("()") else "("
+        return Problem.at(span, codes.UNBALANCED, f"the parenthesis of `{name}` is never closed", "add the missing `)`")
+    rest = text[position + 1 :].strip(" \n\t)")
+    message = "this `)` closes the task, but the file goes on" if rest else "this `)` closes nothing"
+    return Problem.at(span, codes.UNBALANCED, message, "remove it, or add the `(` that it should close")
+
+
+def _point(file: str, text: str, position: int) -> Span:
+    """The place of one character."""
+    line = text.count("\n", 0, position) + 1
+    column = position - text.rfind("\n", 0, position)
+    return Span(file, line, column, line, column + 1)
+
+
+def _neighbours(path: Path) -> Sequence[str]:
+    try:
+        return [each.name for each in path.parent.iterdir()]
+    except OSError:
+        return ()

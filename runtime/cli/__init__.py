@@ -1,0 +1,5 @@
+"""The program ``onto``: one entry for every command that an installed package registers."""
+
+from runtime.cli.program import main
+
+__all__ = ["main"]

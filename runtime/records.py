@@ -47,6 +47,8 @@ class RouteDecision:
     level: str  # "plan" | "state" | "action"
     decision: str  # IRI: dispatch, retry or reroute
     rule: str
+    attempt_status: str = ""  # IRI: first, repeat or exhausted
+    previous: str | None = None  # IRI of the route that was rejected or exhausted before
 
 
 @dataclass(frozen=True, slots=True)

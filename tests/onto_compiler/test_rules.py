@@ -1,0 +1,199 @@
+"""The rule base gives one answer, whoever runs it: pySHACL, Oxigraph, or the compiled tables."""
+
+from itertools import product
+
+import pyshacl
+import pytest
+from pyoxigraph import NamedNode, Quad, RdfFormat, Store
+from rdflib import RDF, Graph, Literal, URIRef
+
+import ontology
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.problems import OntoError
+from onto_compiler.rdf import CORE, MAN
+from onto_compiler.rules import apply_rules, read_rules
+from onto_compiler.sources import load_store
+from onto_compiler.tables import ATTEMPT_STATUSES, FIRST, STATUSES, compile_tables
+
+CONCLUDED = [
+    URIRef(CORE + name) for name in ("failureClass", "diagnosedBy", "priority", "route", "decision", "routedBy")
+]
+CASE = "urn:test:"
+
+
+def core(name):
+    return URIRef(CORE + name)
+
+
+@pytest.fixture(scope="module")
+def tbox():
+    graph = Graph()
+    for path in ontology.turtle_files():
+        graph.parse(path)
+    return graph
+
+
+def cases(schema):
+    """One observed fact per predicate, polarity and status, and one failure per way in which a route is asked for."""
+    graph, observed, failed = Graph(), {}, {}
+    for number, key in enumerate(product(sorted(schema.predicates), (True, False), STATUSES)):
+        node = URIRef(f"{CASE}observed:{number}")
+        fact = URIRef(f"{node}:fact")
+        graph.add((fact, core("predicate"), URIRef(key[0])))
+        graph.add((fact, core("polarity"), Literal(key[1])))
+        graph.add((node, RDF.type, core("ObservedFact")))
+        graph.add((node, core("fact"), fact))
+        graph.add((node, core("status"), URIRef(key[2])))
+        observed[node] = key
+    failures = [f for f in sorted(schema.failures) if f.startswith(MAN)]
+    ways = product(sorted(schema.predicates), failures, ATTEMPT_STATUSES, (None, *sorted(schema.routes)))
+    for number, key in enumerate(way for way in ways if (way[2] == FIRST) == (way[3] is None)):
+        node = URIRef(f"{CASE}failed:{number}")
+        fact = URIRef(f"{node}:fact")
+        graph.add((fact, core("predicate"), URIRef(key[0])))
+        graph.add((node, RDF.type, URIRef(key[1])))
+        graph.add((node, core("failureClass"), URIRef(key[1])))
+        graph.add((node, core("fact"), fact))
+        graph.add((node, core("attemptStatus"), URIRef(key[2])))
+        if key[3] is not None:
+            graph.add((node, core("previousRoute"), URIRef(key[3])))
+        failed[node] = key
+    return graph, observed, failed
+
+
+def conclusions(triples, given):
+    # pySHACL may answer with a dataset, whose members are quads.
+    return {t[:3] for t in triples if t[1] in CONCLUDED and str(t[0]).startswith(CASE)} - set(given)
+
+
+@pytest.fixture(scope="module")
+def by_pyshacl(tbox):
+    given, observed, failed = cases(load_knowledge().schema)
+    expanded = pyshacl.shacl_rules(tbox + given, shacl_graph=tbox, advanced=True, iterate_rules=False)
+    return conclusions(expanded, given), observed, failed
+
+
+def test_oxigraph_concludes_what_pyshacl_concludes(by_pyshacl):
+    expected, observed, failed = by_pyshacl
+    given, _, _ = cases(load_knowledge().schema)
+    store = load_store()
+    graph = NamedNode("urn:test:graph")
+    text = given.serialize(format="nt")
+    store.load(input=text.encode(), format=RdfFormat.N_TRIPLES, to_graph=graph)
+    apply_rules(store, read_rules(store), graph)
+    found = Graph()
+    rows = b"\n".join(
+        f"{q.subject} {q.predicate} {q.object} .".encode() for q in store.quads_for_pattern(None, None, None, graph)
+    )
+    found.parse(data=rows, format="nt")
+    assert conclusions(found, given) == expected
+    assert len(observed) == 72
+    assert len(failed) == 9 * 5 * (1 + 2 * 4)
+    assert len(expected) > 600
+
+
+def test_tables_hold_what_pyshacl_concludes(by_pyshacl):
+    expected, observed, failed = by_pyshacl
+    tables = load_knowledge().tables
+    from_tables = set()
+    for node, key in observed.items():
+        if key in tables.diagnosis:
+            entry = tables.diagnosis[key]
+            from_tables.add((node, core("failureClass"), URIRef(entry.failure)))
+            from_tables.add((node, core("diagnosedBy"), URIRef(entry.rule)))
+            from_tables.add((node, core("priority"), Literal(entry.priority)))
+    produced = {(predicate, entry.failure) for (predicate, _, _), entry in tables.diagnosis.items()}
+    reachable = {node: key for node, key in failed.items() if key[:2] in produced}
+    for node, key in reachable.items():
+        if key in tables.routing:
+            entry = tables.routing[key]
+            from_tables.add((node, core("route"), URIRef(entry.route)))
+            from_tables.add((node, core("decision"), URIRef(entry.decision)))
+            from_tables.add((node, core("routedBy"), URIRef(entry.rule)))
+    relevant = {t for t in expected if t[0] in observed or t[0] in reachable}
+    assert from_tables == relevant
+
+
+def test_every_unsatisfied_status_is_diagnosed_and_every_diagnosis_is_routed():
+    knowledge = load_knowledge()
+    tables, schema = knowledge.tables, knowledge.schema
+    for predicate, polarity, status in product(schema.predicates, (True, False), STATUSES[1:]):
+        failure = tables.diagnosis[predicate, polarity, status].failure
+        assert (predicate, failure, FIRST, None) in tables.routing
+        for attempt, previous in product(ATTEMPT_STATUSES[1:], schema.routes):
+            entry = tables.routing.get((predicate, failure, attempt, previous))
+            if entry is not None:
+                route = schema.routes[entry.route]
+                assert failure in route.admits
+                assert any(schema.is_a(schema.predicates[predicate].kind, kind) for kind in route.supports)
+
+
+@pytest.mark.parametrize("status", STATUSES[:1])
+def test_a_satisfied_fact_is_not_diagnosed(status):
+    knowledge = load_knowledge()
+    keys = product(knowledge.schema.predicates, (True, False), (status,))
+    assert not any(key in knowledge.tables.diagnosis for key in keys)
+
+
+def test_the_router_table_of_the_paper():
+    tables = load_knowledge().tables
+    expected = {
+        "in_region": ("RelationMissing", "source_joint_pose"),
+        "joint_state": ("JointState", "source_joint_pose"),
+        "on": ("RelationMissing", "object_relation_predicate"),
+        "inside": ("RelationMissing", "object_relation_predicate"),
+        "right_of": ("RelationMissing", "object_relation_predicate"),
+        "left_of": ("RelationMissing", "object_relation_predicate"),
+        "front_of": ("RelationMissing", "object_relation_predicate"),
+        "back_of": ("RelationMissing", "object_relation_predicate"),
+        "contact": ("RackContact", "rack_contact_site"),
+    }
+    for predicate, (failure, route) in expected.items():
+        key = (MAN + predicate, MAN + failure)
+        assert tables.routing[(*key, FIRST, None)].route == MAN + route
+        rejected = tables.routing[(*key, CORE + "RepeatAttempt", MAN + route)]
+        assert (rejected.route, rejected.decision) == (MAN + "source_joint_residual", CORE + "Reroute")
+        again = tables.routing[(*key, CORE + "RepeatAttempt", MAN + "source_joint_residual")]
+        assert (again.route, again.decision) == (MAN + "source_joint_residual", CORE + "Retry")
+
+
+def test_rules_that_disagree_are_refused(tmp_path):
+    rule = tmp_path / "contrary.ttl"
+    rule.write_text(f"""
+@prefix core: <{CORE}> .
+@prefix man: <{MAN}> .
+@prefix sh: <http://www.w3.org/ns/shacl#> .
+<urn:test:shape> a sh:NodeShape ; sh:targetClass core:ObservedFact ; sh:rule <urn:test:rule> .
+<urn:test:rule> a sh:SPARQLRule ; sh:order 60 ; sh:construct '''
+CONSTRUCT {{ $this <{CORE}failureClass> <{MAN}RackContact> ; <{CORE}diagnosedBy> <urn:test:rule> }}
+WHERE {{ $this <{CORE}fact>/<{CORE}predicate> <{MAN}on> ; <{CORE}status> <{CORE}Absent> }}''' .
+""")
+    store = load_store([rule])
+    with pytest.raises(OntoError, match="RUL002"):
+        compile_tables(store, load_knowledge().schema)
+
+
+def test_compiling_leaves_the_store_alone():
+    store = load_store()
+    before = set(store)
+    compile_tables(store, load_knowledge().schema)
+    assert set(store) == before
+
+
+def test_focus_restricts_what_fires():
+    store = Store()
+    store.extend(iter(load_store()))
+    graph = NamedNode("urn:test:graph")
+    for name in ("a", "b"):
+        node, fact = NamedNode(f"urn:test:{name}"), NamedNode(f"urn:test:{name}:fact")
+        triples = [
+            (node, str(RDF.type), NamedNode(CORE + "ObservedFact")),
+            (node, CORE + "fact", fact),
+            (node, CORE + "status", NamedNode(CORE + "Absent")),
+            (fact, CORE + "predicate", NamedNode(MAN + "on")),
+        ]
+        store.extend(Quad(s, NamedNode(p), o, graph) for s, p, o in triples)
+        store.load(input=f"<{fact.value}> <{CORE}polarity> true .".encode(), format=RdfFormat.TURTLE, to_graph=graph)
+    concluded = apply_rules(store, read_rules(store), graph, [NamedNode("urn:test:a")])
+    assert {t.subject.value for t in concluded} == {"urn:test:a"}
+    assert len(concluded) == 3

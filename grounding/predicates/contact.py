@@ -1,0 +1,69 @@
+"""Contact between two entities: robosuite's ``check_contact`` for truth, depth or gap in metres for the margin."""
+
+from __future__ import annotations
+
+import sys
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from grounding.predicates.terms import Term
+from grounding.scenes import Scene
+
+__all__ = ["Contact"]
+
+TINY = sys.float_info.min
+FAR = 100.0  # metres; LIBERO's rooms are smaller
+
+
+class Contact:
+    """Whether any two contact geoms of entities ``first`` and ``second`` have an entry in ``data.contact``.
+
+    The native test (``robosuite/environments/base.py``, ``check_contact``) takes every entry of the list, whatever its
+    distance; so does this. Touching: the margin is the largest of ``includemargin - dist``, made positive. Apart: minus
+    the smallest distance between two geoms that can collide, made negative; that part costs more, as nothing is cached.
+    """
+
+    def __init__(self, scene: Scene, first: str, second: str) -> None:
+        """Resolve both entities; raises ``SIM001``."""
+        model = scene.model
+        self._model = model
+        self._label = f"{first}, {second}"
+        a, b = scene.contact_geoms(first), scene.contact_geoms(second)
+        self._side = np.zeros(model.ngeom + 1, dtype=np.int8)  # the last stands for -1, a flex contact
+        self._side[a] = 1
+        self._side[b] = 2
+        pairs = np.stack([np.repeat(a, len(b)), np.tile(b, len(a))], axis=1)
+        contype, affinity = model.geom_contype, model.geom_conaffinity
+        left, right = pairs[:, 0], pairs[:, 1]
+        collide = ((contype[left] & affinity[right]) | (contype[right] & affinity[left])) != 0
+        self._pairs: NDArray[np.intp] = pairs[collide]
+        bounds = model.geom_rbound
+        radii = bounds[self._pairs].sum(axis=1)
+        unbounded = (bounds[self._pairs] == 0.0).any(axis=1)  # MuJoCo gives a plane no radius
+        self._reach = np.where(unbounded, np.inf, radii)
+
+    def __call__(self, data: mujoco.MjData) -> Term:
+        """The term ``contact`` of a forwarded state."""
+        if data.ncon:
+            contact = data.contact
+            sides = self._side[contact.geom]
+            hits = np.flatnonzero(sides[:, 0] * sides[:, 1] == 2)  # one geom of each side
+            if hits.size:
+                depth = float((contact.includemargin[hits] - contact.dist[hits]).max())
+                return Term("contact", max(depth, TINY), True, self._label)
+        return Term("contact", min(-self._gap(data), -TINY), False, self._label)
+
+    def _gap(self, data: mujoco.MjData) -> float:
+        """Smallest distance (metres) over the pairs, nearest bounding spheres first, until none can be nearer."""
+        centres = data.geom_xpos
+        offsets = centres[self._pairs[:, 0]] - centres[self._pairs[:, 1]]
+        lower = np.sqrt(np.einsum("ij,ij->i", offsets, offsets)) - self._reach
+        best = FAR
+        for index in np.argsort(lower):
+            if lower[index] >= best:
+                break
+            first, second = self._pairs[index]
+            best = min(best, mujoco.mj_geomDistance(self._model, data, first, second, best, None))
+        return best

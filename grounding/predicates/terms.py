@@ -1,0 +1,59 @@
+"""What a grounding function is made of: named terms, each with a signed margin, and how they combine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import mujoco
+
+from grounding.observation import Evidence
+
+__all__ = ["Grounding", "Term", "all_of", "any_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """One condition of a predicate.
+
+    ``holds`` is decided as the native code decides it; ``margin`` (metres or radians) is positive only when it holds
+    and negative only when it does not; exactly 0 at equality. ``of`` names the joint or geoms meant, where there are
+    several.
+    """
+
+    name: str
+    margin: float
+    holds: bool
+    of: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Grounding:
+    """One fact's predicate on one scene, ids resolved: call it for :class:`Evidence`, ``terms`` for the breakdown."""
+
+    terms: Callable[[mujoco.MjData], Sequence[Term]]
+    combine: Callable[[Sequence[Term]], Evidence]
+
+    def __call__(self, data: mujoco.MjData) -> Evidence:
+        """Truth and margin in ``data``, which must be forwarded and belong to the scene's model."""
+        return self.combine(self.terms(data))
+
+
+def all_of(terms: Sequence[Term]) -> Evidence:
+    """Every term must hold: the smallest margin decides. No term at all: true, without limit."""
+    if not terms:
+        return Evidence(truth=True, margin=float("inf"))
+    least = min(terms, key=_margin)
+    return Evidence(all(term.holds for term in terms), least.margin, least.name)
+
+
+def any_of(terms: Sequence[Term]) -> Evidence:
+    """One term must hold: the largest margin decides. No term at all: false, out of reach."""
+    if not terms:
+        return Evidence(truth=False, margin=float("-inf"))
+    most = max(terms, key=_margin)
+    return Evidence(any(term.holds for term in terms), most.margin, most.name)
+
+
+def _margin(term: Term) -> float:
+    return term.margin

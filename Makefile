@@ -1,0 +1,60 @@
+# Every target works on a fresh clone: each creates .venv and installs what it needs from the package index.
+PYTHON ?= python3
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+JOBS ?= 2
+
+.DEFAULT_GOAL := help
+.PHONY: help install demo test check bench bench-full docs clean
+
+help:  ## list the targets
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 12
+
+.venv/pip: constraints.txt
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "Python 3.11 or newer is needed: make PYTHON=python3.12 ...")'
+	$(PYTHON) -m venv .venv
+	$(PIP) 'pip>=25.1'
+	@touch $@
+
+.venv/sim: .venv/pip pyproject.toml
+	$(PIP) -e '.[sim]'
+	@touch $@
+
+.venv/test: .venv/sim
+	$(PIP) --group test
+	@touch $@
+
+.venv/dev: .venv/test
+	$(PIP) --group dev
+	@touch $@
+
+.venv/all: .venv/dev
+	$(PIP) -e '.[all]'
+	@touch $@
+
+install: .venv/all  ## create .venv with everything, torch and the developers' tools included
+
+demo: .venv/sim  ## run the main job: ten LIBERO-Goal tasks, diagnosed, repaired and verified
+	$(BIN)/onto demo
+
+test: .venv/test  ## run all tests
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
+
+check: .venv/dev  ## format, lint, types, and the ontology
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/onto check
+	$(BIN)/python -m benchmarks.tables --check
+
+bench: .venv/test  ## every protocol, small
+	$(BIN)/onto bench all
+
+bench-full: .venv/test  ## the published figures; resumes what was interrupted
+	$(BIN)/onto bench all --full
+
+docs: .venv/test  ## write the generated tables of README.md and docs/results.md
+	$(BIN)/python -m benchmarks.tables
+
+clean:  ## remove what the other targets made, the environment included
+	rm -rf .venv out build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis

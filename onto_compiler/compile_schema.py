@@ -54,6 +54,7 @@ _CLASSES = """
 SELECT ?this ?above WHERE {
     ?this a owl:Class . OPTIONAL { ?this rdfs:subClassOf+ ?above . FILTER isIRI(?above) } }"""
 _LABELS = "SELECT ?this ?label WHERE { ?this rdfs:label ?label }"
+_NOTATIONS = "SELECT ?this ?notation WHERE { ?this skos:notation ?notation }"
 
 Row = Mapping[str, str]
 
@@ -87,6 +88,7 @@ def compile_schema(store: Store) -> Schema:
         regions=regions,
         defaults=defaults,
         labels={row["this"]: row["label"] for row in _rows(store, _LABELS)},
+        notations={row["this"]: row["notation"] for row in _rows(store, _NOTATIONS)},
     )
 
 

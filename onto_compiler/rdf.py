@@ -56,6 +56,8 @@ PREFIXES = {
     "xsd": XSD,
 }
 
+_NOT_FINITE = {"inf": "INF", "-inf": "-INF", "nan": "NaN"}  # XSD's spelling
+
 
 def node(iri: str) -> NamedNode:
     """An IRI as an RDF term."""
@@ -74,7 +76,8 @@ def integer(value: int) -> Literal:
 
 def double(value: float) -> Literal:
     """An ``xsd:double`` literal whose lexical form reads back to the same number."""
-    return Literal(repr(float(value)), datatype=NamedNode(XSD + "double"))
+    text = repr(float(value))
+    return Literal(_NOT_FINITE.get(text, text), datatype=NamedNode(XSD + "double"))
 
 
 def prologue() -> str:

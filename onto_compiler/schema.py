@@ -91,6 +91,7 @@ class Schema:
     regions: Mapping[tuple[str, str], str]  # (category of the target, region name) -> class IRI
     defaults: Mapping[str, str]  # "object" | "fixture" | "region" | "workspace_region" -> class IRI
     labels: Mapping[str, str] = field(default_factory=dict)
+    notations: Mapping[str, str] = field(default_factory=dict)  # term IRI -> its short name in records and JSON
 
     def is_a(self, cls: str, ancestor: str) -> bool:
         """Whether class ``cls`` is ``ancestor`` or one of its subclasses."""

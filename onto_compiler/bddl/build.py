@@ -6,6 +6,7 @@ are as many as the attribute takes. All problems of a file are collected.
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -14,6 +15,7 @@ from lark import Token, Tree
 
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import And, Atom, Declaration, Formula, Not, Or, Region, Symbol, TaskSpec
+from onto_compiler.bddl.groups import Group
 from onto_compiler.bddl.sections import KEYWORDS, NEEDED
 from onto_compiler.problems import Problem, Span
 
@@ -25,13 +27,13 @@ NUMERAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 NO_TARGET = Symbol("")
 
 
-def build(tree: Node, file: str, spoilt: frozenset[str] = frozenset()) -> tuple[TaskSpec | None, tuple[Problem, ...]]:
+def build(tree: Node, file: str, holes: Sequence[Group] = ()) -> tuple[TaskSpec | None, tuple[Problem, ...]]:
     """The task in ``tree``, or None with the problems that were found.
 
-    ``spoilt`` names sections that the caller found broken, and took out: they are not missing.
+    ``holes`` are groups that the caller found broken, and took out: what they held is not missing.
     """
-    builder = _Builder(file)
-    task = builder.task(tree, spoilt)
+    builder = _Builder(file, tuple(holes))
+    task = builder.task(tree)
     return (None if builder.problems else task), tuple(builder.problems)
 
 
@@ -40,6 +42,7 @@ class _Builder:
     """One file's worth of building: what every step needs to know, and the problems so far."""
 
     file: str
+    holes: tuple[Group, ...]
     problems: list[Problem] = field(default_factory=list)
 
     def problem(self, span: Span, code: str, message: str, hint: str = "") -> None:
@@ -57,8 +60,9 @@ class _Builder:
 
     # Sections
 
-    def task(self, tree: Node, spoilt: frozenset[str]) -> TaskSpec | None:
+    def task(self, tree: Node) -> TaskSpec | None:
         whole = self.span(tree)
+        spoilt = {name for name in KEYWORDS if any(_begins(hole, KEYWORDS[name]) for hole in self.holes)}
         found = self.once(_nodes(tree), "section", KEYWORDS)
         for name in NEEDED:
             if name not in found and name not in spoilt:
@@ -71,7 +75,7 @@ class _Builder:
         self.unique(fixtures, objects, regions)
         init = tuple(self.atom(node) for node in _nodes(part["init"]))
         goal = [self.formula(node) for node in _nodes(part["goal"])]
-        if not goal or self.problems:
+        if self.problems or not goal or not found.keys() >= set(NEEDED):
             return None
         domain = _tokens(part["domain"])[0]
         return TaskSpec(
@@ -101,7 +105,7 @@ class _Builder:
                     self.span(node),
                     codes.REPEATED_PART,
                     f"a second `({names[node.data]} ...)` {what}; the first is on line {first.meta.line}",
-                    "join the two into one",
+                    "join the two into one" if what == "section" else "keep one",
                 )
         return found
 
@@ -138,8 +142,10 @@ class _Builder:
             target = self.symbol(_tokens(found["target"])[0])
         else:
             target = NO_TARGET
-            message = f"region `{name}` has no `(:target ...)`"
-            self.problem(span, codes.MISSING_PART, message, "name the fixture or object that the region is part of")
+            if not any(node.meta.start_pos <= hole.start < node.meta.end_pos for hole in self.holes):
+                message = f"region `{name}` has no `(:target ...)`"
+                hint = "name the fixture or object that the region is part of"
+                self.problem(span, codes.MISSING_PART, message, hint)
         rectangles = self.rows(found.get("ranges"), 4, "a rectangle", "x0 y0 x1 y1")
         yaws = self.rows(found.get("yaw_rotation"), 2, "a yaw rotation", "min max")
         colours = self.rows(found.get("rgba"), 4, "a colour", "red green blue alpha")
@@ -204,6 +210,12 @@ def _nodes(tree: Node) -> list[Node]:
 
 def _tokens(tree: Node) -> list[Token]:
     return [child for child in tree.children if isinstance(child, Token)]
+
+
+def _begins(hole: Group, keyword: str) -> bool:
+    """Whether a section that was taken out began with ``keyword``, or was meant to."""
+    in_task = hole.parent is not None and hole.parent.parent is None
+    return in_task and difflib.SequenceMatcher(None, hole.head, keyword).ratio() > 0.7
 
 
 def _property(node: Node) -> tuple[str, str]:

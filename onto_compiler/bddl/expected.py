@@ -39,12 +39,18 @@ SYMBOLS = {
     "atom": "a name",
 }
 HINTS = {
+    ":init": "each fact stands in parentheses of its own",
     ":ranges": "rectangles stand in a list: (:ranges ((x0 y0 x1 y1)))",
     ":yaw_rotation": "the bounds stand in a list: (:yaw_rotation ((min max)))",
     "rows": "each rectangle or pair of bounds has its own parentheses: ((x0 y0 x1 y1))",
+}
+# Where a group opens that is one too many.
+SURPLUS_HINTS = {
+    ":language": "the instruction may hold anything but parentheses",
     ":goal": "a goal is one formula: join several with (And ...)",
     "not": "(Not ...) takes one formula",
 }
+QUANTIFIERS = frozenset({"exists", "forall", "forn", "fornpairs", "forpairs", "imply"})
 
 
 def syntax_problem(error: UnexpectedToken, lark: Lark, span: Span, group: Group | None) -> Problem:
@@ -60,7 +66,8 @@ def syntax_problem(error: UnexpectedToken, lark: Lark, span: Span, group: Group 
         if name not in {"$END", "LPAR", "RPAR", "MINUS"}
         and isinstance(pattern := lark.get_terminal(name).pattern, PatternStr)
     )
-    options = [f"`{word}`" for word in words]
+    # Eleven sections are too many to read out.
+    options = ["a section"] if len(words) > 5 else [f"`{word}`" for word in words]
     if "SYMBOL" in accepted:
         options.append(
             _symbol(kind, after_dash=accepted == {"SYMBOL"} and kind in {":fixtures", ":objects"}, first=first)
@@ -75,8 +82,17 @@ def syntax_problem(error: UnexpectedToken, lark: Lark, span: Span, group: Group 
         options.append("the end of the file")
     shown = "the end of the file" if error.token.type == "$END" else f"`{found}`"
     message = f"expected {_either(options)}, found {shown}"
-    hint = near(found.lower(), words) or ("" if words else HINTS.get(kind, ""))
-    return Problem.at(span, codes.SYNTAX, message, hint)
+    return Problem.at(span, codes.SYNTAX, message, near(found.lower(), words) or _hint(found, kind, outer, accepted))
+
+
+def _hint(found: str, kind: str, outer: Group | None, accepted: set[str]) -> str:
+    if outer is not None and outer.kind == "atom" and outer.head in QUANTIFIERS:
+        return f"`{outer.head}` is not supported; name each fact"
+    if found.startswith(":") and "SYMBOL" in accepted:
+        return "a name does not begin with `:`"
+    if found == "(" and "RPAR" in accepted:
+        return SURPLUS_HINTS.get(kind, "")
+    return HINTS.get(kind, "") if "LPAR" in accepted else ""
 
 
 def _symbol(kind: str, *, after_dash: bool, first: bool) -> str:

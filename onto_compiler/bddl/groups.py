@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 from onto_compiler.bddl.sections import KEYWORDS
 
-__all__ = ["Group", "groups", "unbalanced"]
+__all__ = ["MAX_DEPTH", "Group", "groups", "too_deep", "unbalanced"]
 
 TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
+MAX_DEPTH = 64
 CONNECTIVES = frozenset({"and", "or", "not"})
 SECTION_HEADS = frozenset(KEYWORDS.values())
 # What the groups inside a group are, where that does not depend on how they begin.
@@ -66,9 +67,19 @@ def unbalanced(text: str) -> tuple[int, str] | None:
             # The one that ended (define ...) too early is the slip, if anything but `)` follows it.
             rest = text[closed_at + 1 : match.start()]
             return (closed_at if closed_at >= 0 and "(" in rest else match.start()), ")"
-        if depth == 0:
+        if depth == 0 and closed_at < 0:
             closed_at = match.start()
     return (_left_open(text), "(") if depth else None
+
+
+def too_deep(text: str) -> int | None:
+    """Where the first group opens that is nested deeper than MAX_DEPTH, which the recursive passes could not follow."""
+    depth = 0
+    for match in _parentheses(text):
+        depth += 1 if match.group() == "(" else -1
+        if depth > MAX_DEPTH:
+            return match.start()
+    return None
 
 
 def _left_open(text: str) -> int:

@@ -166,7 +166,7 @@ class _Lifter:
             yield Problem.at(symbol.span, codes.UNDECLARED_TARGET, message, f"declare `{orphan.target.name}`")
             return
         message = f"`{symbol.name}` is not an object, fixture or region of this task"
-        hint = near(symbol.name, self.scope.names) or self.bare_region(symbol.name)
+        hint = near(symbol.name, [*self.scope.names, *self.scope.orphans]) or self.bare_region(symbol.name)
         yield Problem.at(symbol.span, codes.UNKNOWN_NAME, message, hint)
 
     def bare_region(self, name: str) -> str:

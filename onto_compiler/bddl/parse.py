@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from functools import cache
 from importlib import resources
@@ -14,8 +13,7 @@ from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import TaskSpec
 from onto_compiler.bddl.build import build
 from onto_compiler.bddl.expected import syntax_problem
-from onto_compiler.bddl.groups import Group, groups, unbalanced
-from onto_compiler.bddl.sections import KEYWORDS
+from onto_compiler.bddl.groups import MAX_DEPTH, Group, groups, too_deep, unbalanced
 from onto_compiler.problems import OntoError, Problem, Span, near
 
 __all__ = ["parse", "parse_file"]
@@ -60,9 +58,12 @@ def parse(text: str, file: str = "<string>") -> TaskSpec:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     if (slip := unbalanced(text)) is not None:
         raise OntoError(_unbalanced_problem(text, file, *slip))
-    tree, problems, spoilt = _read(text, file)
+    if (deep := too_deep(text)) is not None:
+        message = f"parentheses are nested more than {MAX_DEPTH} deep"
+        raise OntoError(Problem.at(_point(file, text, deep), codes.SYNTAX, message))
+    tree, problems, holes = _read(text, file)
     if tree is not None:
-        spec, found = build(tree, file, spoilt)
+        spec, found = build(tree, file, holes)
         if spec is not None and not problems:
             return spec
         problems += found
@@ -75,18 +76,17 @@ def _lark() -> Lark:
     return Lark(grammar, start="task", parser="lalr", propagate_positions=True)
 
 
-def _read(text: str, file: str) -> tuple[Tree[Token] | None, list[Problem], frozenset[str]]:
+def _read(text: str, file: str) -> tuple[Tree[Token] | None, list[Problem], tuple[Group, ...]]:
     """Parse ``text``; at a syntax error, blank the group that it is in and try again.
 
-    Returns the tree of what is left (None where nothing is), the problems, and the sections that were blanked.
+    Returns the tree of what is left (None where nothing is), the problems, and the groups that were blanked.
     """
     problems: list[Problem] = []
-    spoilt: set[str] = set()
     blanked: list[Group] = []
     parts: tuple[Group, ...] | None = None
     while True:
         try:
-            return _lark().parse(text), problems, frozenset(spoilt)
+            return _lark().parse(text), problems, tuple(blanked)
         except UnexpectedToken as error:
             parts = groups(text) if parts is None else parts
             position = len(text) if error.token.type == "$END" else error.token.start_pos or 0
@@ -95,17 +95,11 @@ def _read(text: str, file: str) -> tuple[Tree[Token] | None, list[Problem], froz
             if group is None or not any(group.start <= part.start < group.end for part in blanked):
                 problems.append(syntax_problem(error, _lark(), _point(file, text, position), group))
             if group is None or group.parent is None:
-                return None, problems, frozenset(spoilt)
+                return None, problems, tuple(blanked)
+            if group.parent.kind == "atom":
+                group = group.parent  # an atom holds no groups: it is the atom that is broken
             blanked.append(group)
-            if group.parent.parent is None:
-                spoilt |= _section_named(group.head)
             text = _blank(text, group)
-
-
-def _section_named(head: str) -> set[str]:
-    """The section that ``head`` begins or was meant to begin."""
-    names = {keyword: name for name, keyword in KEYWORDS.items()}
-    return {names[match] for match in difflib.get_close_matches(head, names, n=1)}
 
 
 def _blank(text: str, group: Group) -> str:

@@ -1,0 +1,150 @@
+"""Puts a movable entity down at a pose: what lies on it comes along, and it is lowered until it just touches."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from runtime.proposers.candidates import Candidate
+from runtime.proposers.clearance import Clearance
+from runtime.proposers.geometry import extent, level, matrix_of, quaternion_of, yaw_matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from numpy.typing import NDArray
+
+    from grounding.scenes import Scene
+
+    Array = NDArray[np.float64]
+
+__all__ = ["Access", "Pose", "Window", "drop", "rest_orientations", "yaws"]
+
+Access = Literal["any", "free", "enclosed"]
+
+TOUCH_M = 3e-4  # about as deep as MuJoCo's default contacts let a light object sink under its own weight
+_STEP_M = 4e-3  # of the descent; thinner walls are still met, since the object itself is taller than this
+_RESOLUTION_M = 1e-5
+_STEADY_M = 0.002  # the lean that a resting object must bear
+UNBALANCED, ENCLOSED = 2, 1  # flaws
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pose:
+    """Where the origin of an object comes to lie horizontally (m), its orientation (3, 3), and why."""
+
+    x: float
+    y: float
+    matrix: Array
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class Window:
+    """Heights (m): the origin may come to rest between ``low`` and ``high``; the descent clears ``roof`` at first."""
+
+    low: float
+    high: float
+    roof: float
+
+
+def yaws(matrix: Array, turns: Sequence[float]) -> Iterator[tuple[Array, float]]:
+    """``matrix`` turned about the vertical by each of ``turns`` (rad)."""
+    for turn in turns:
+        yield yaw_matrix(turn) @ matrix, turn
+
+
+def rest_orientations(scene: Scene, qpos: Array, entity: str) -> list[Array]:
+    """Orientations that ``entity`` may rest in: as it stands now, upright to the nearest axis, and as modelled."""
+    free = scene.free_joint(entity)
+    if free is None:
+        return []
+    where = scene.qpos_slice(free)
+    found: list[Array] = []
+    for quat in (qpos[where][3:], scene.model.qpos0[where][3:]):
+        for limit in (np.radians(15.0), np.pi / 2):
+            upright = level(matrix_of(quat), limit)
+            if not any(np.allclose(upright[2], other[2], atol=1e-3) for other in found):  # equal but for the yaw
+                found.append(upright)
+    return found
+
+
+def drop(clearance: Clearance, entity: str, pose: Pose, window: Window, access: Access = "any") -> Iterator[Candidate]:
+    """Lower ``entity`` at ``pose`` and yield each height within ``window`` at which it comes to touch something.
+
+    ``access`` is "free" for the height that is reached from above, "enclosed" for those that are not, which are
+    then flawed (``ENCLOSED``), "any" where the way there does not matter. The entity sinks in by ``TOUCH_M`` at most;
+    a resting pose that gravity would tip is flawed (``UNBALANCED``).
+    """
+    mover = _Mover(clearance, entity)
+    below = mover.below(pose)
+    top, bottom = window.roof + below + _STEP_M, window.low - _STEP_M
+    heights = np.linspace(top, bottom, max(int(np.ceil((top - bottom) / _STEP_M)) + 1, 2))
+    clear_above, previous = True, None
+    for height in heights:
+        hit = mover.depth(pose, height) > TOUCH_M
+        wanted = access == "any" or (access == "free") == clear_above
+        if hit and wanted and previous is not None and height <= window.high:
+            touch = _bisect(mover, pose, previous, float(height))
+            if window.low <= touch <= window.high:
+                yield mover.candidate(pose, touch, enclosed=access == "enclosed")
+        clear_above = clear_above and not hit
+        if access == "free" and not clear_above:
+            return
+        previous = None if hit else float(height)
+
+
+def _bisect(mover: _Mover, pose: Pose, clear: float, hit: float) -> float:
+    while clear - hit > _RESOLUTION_M:
+        middle = (clear + hit) / 2
+        if mover.depth(pose, middle) > TOUCH_M:
+            hit = middle
+        else:
+            clear = middle
+    return clear
+
+
+class _Mover:
+    """Writes poses of one entity, and of what rests on it, to the scratch state."""
+
+    def __init__(self, clearance: Clearance, entity: str) -> None:
+        scene = clearance.scene
+        clearance.place(clearance.start)
+        self.clearance, self.entity = clearance, entity
+        riders = clearance.supported_by(scene.bodies(entity).tolist())
+        self.riders = riders
+        self.slices = [scene.qpos_slice(j) for e in (entity, *riders) if (j := scene.free_joint(e)) is not None]
+        self.moving = clearance.geom_mask(b for e in (entity, *riders) for b in scene.bodies(e).tolist())
+        first = clearance.start[self.slices[0]]
+        self.home, self.home_matrix = first[:3].copy(), matrix_of(first[3:])
+
+    def write(self, pose: Pose, height: float) -> None:
+        data, start = self.clearance.data, self.clearance.start
+        target = np.array([pose.x, pose.y, height])
+        turn = pose.matrix @ self.home_matrix.T
+        data.qpos[:] = start
+        for where in self.slices:
+            old = start[where]
+            data.qpos[where] = np.concatenate(
+                [target + turn @ (old[:3] - self.home), quaternion_of(turn @ matrix_of(old[3:]))]
+            )
+        self.clearance.refresh()
+
+    def depth(self, pose: Pose, height: float) -> float:
+        self.write(pose, height)
+        return self.clearance.depth(self.moving)
+
+    def below(self, pose: Pose) -> float:
+        """How far the entity reaches below its origin at ``pose``."""
+        self.write(pose, float(self.home[2]))
+        low, _ = extent(self.clearance.model, self.clearance.data, self.clearance.scene.contact_geoms(self.entity))
+        return float(self.home[2] - low[2])
+
+    def candidate(self, pose: Pose, height: float, *, enclosed: bool) -> Candidate:
+        self.write(pose, height)
+        lean = self.clearance.steadiness(self.entity, self.moving)
+        flaws = (UNBALANCED if lean < _STEADY_M else 0) + (ENCLOSED if enclosed else 0)
+        note = pose.note if not self.riders else f"{pose.note}, carrying {', '.join(self.riders)}"
+        return Candidate(self.clearance.data.qpos.copy(), note, flaws, -lean)

@@ -1,0 +1,77 @@
+"""Fan trials out over processes, and keep each row as soon as it is there, so that a run resumes where it stopped."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from pathlib import Path
+
+from benchmarks.protocol import Protocol, Row, Trial
+from onto_compiler.problems import OntoError
+
+__all__ = ["run_protocol"]
+
+
+def run_protocol(
+    protocol: Protocol, trials: Sequence[Trial], rows_file: Path, jobs: int, tick: Callable[[Row], None]
+) -> tuple[Row, ...]:
+    """Run every trial whose row is not yet in ``rows_file`` (JSON lines) and return all rows in the trials' order.
+
+    A trial that raises gives a row with ``crashed`` set, which counts as a failure; ``tick`` is called once per row.
+
+    Raises:
+        OntoError: BEN002, where ``rows_file`` cannot be written.
+    """
+    done = {row["key"]: row for row in _read(rows_file)}
+    todo = [trial for trial in trials if trial["key"] not in done]
+    for trial in trials:
+        if trial["key"] in done:
+            tick(done[trial["key"]])
+    try:
+        rows_file.parent.mkdir(parents=True, exist_ok=True)
+        with rows_file.open("a", encoding="utf-8") as sink:
+            for row in _run_all(protocol, todo, jobs):
+                done[row["key"]] = row
+                sink.write(json.dumps(row) + "\n")
+                sink.flush()
+                tick(row)
+    except OSError as error:
+        raise OntoError.of("BEN002", f"cannot write `{rows_file}`: {error.strerror}", "choose another --out") from error
+    return tuple(done[trial["key"]] for trial in trials)
+
+
+def _read(path: Path) -> Iterator[Row]:
+    """Rows that an earlier run left; a last line that was cut off is passed over."""
+    if not path.exists():
+        return
+    for line in path.read_text(encoding="utf-8").splitlines():
+        try:
+            yield json.loads(line)
+        except json.JSONDecodeError:
+            continue
+
+
+def _run_all(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator[Row]:
+    if jobs <= 1 or len(trials) <= 1:
+        yield from (_run_one(protocol, trial) for trial in trials)
+        return
+    # spawn: MuJoCo and Oxigraph hold threads, which a fork would cut in half.
+    with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
+        pending = [pool.submit(_run_one, protocol, trial) for trial in trials]
+        for future in as_completed(pending):
+            yield future.result()
+
+
+def _run_one(protocol: Protocol, trial: Trial) -> Row:
+    started = time.perf_counter()
+    try:
+        row = protocol.run(trial)
+    except Exception as error:  # noqa: BLE001 - a crashed trial is a result: a failure, counted apart
+        detail = traceback.format_exc(limit=-3) if os.environ.get("ONTO_DEBUG") else ""
+        row = {"crashed": f"{type(error).__name__}: {error}", "detail": detail}
+    return {**trial, **row, "seconds": round(time.perf_counter() - started, 3)}

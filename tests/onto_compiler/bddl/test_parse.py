@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import random
+import re
+
 import pytest
 
-from onto_compiler.bddl import parse, parse_file
+from onto_compiler.bddl import format_task, lift, parse, parse_file
 from onto_compiler.bddl.ast import And, Atom, Declaration, Not, Or, Region, Symbol, atoms
 from onto_compiler.problems import OntoError
 
@@ -155,3 +158,48 @@ def test_a_file_cut_off_anywhere_is_reported_as_unbalanced(cut, task_file):
     with pytest.raises(OntoError) as caught:
         parse(text[: len(text) * cut // 40])
     assert [each.code for each in caught.value.problems] == ["BDDL002"]
+
+
+EXTRAS = [
+    "(",
+    ")",
+    ":init",
+    ":goal",
+    "-",
+    "and",
+    "or",
+    "not",
+    "(:target x)",
+    "\ufeff",
+    "\u00e9",
+    "\r",
+    ";",
+    "0",
+    "\x00",
+]
+
+
+def damaged(text: str, rng: random.Random) -> str:
+    """``text`` with one to four of its tokens removed, replaced or joined by others."""
+    tokens = re.findall(r"[()]|[^\s()]+|\s+", text)
+    for _ in range(rng.randint(1, 4)):
+        place = rng.randrange(len(tokens))
+        keep = tokens[place] if rng.random() < 0.3 else ""
+        tokens[place] = keep + rng.choice(["", rng.choice(tokens), rng.choice(EXTRAS)])
+    return "".join(tokens)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_a_damaged_file_is_read_or_reported_and_nothing_else(seed, task_file, schema):
+    rng = random.Random(seed)  # noqa: S311 - damage needs no secrecy
+    text = task_file.read_text("utf-8")
+    reported = []
+    for _ in range(50):
+        try:
+            spec = parse(damaged(text, rng))
+            assert parse(format_task(spec)) == spec
+            lift(spec, schema, "task")
+        except OntoError as error:
+            reported.append(error.problems)
+    assert 0 < len(reported) < 50
+    assert all(each.line > 0 and each.column > 0 for problems in reported for each in problems)

@@ -1,0 +1,103 @@
+"""A native LIBERO task as the loop's environment: grounded by us, written in ``state`` mode, judged by LIBERO."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from grounding.observation import Observation
+from grounding.scenes import Scene
+from grounding.sim import SimGrounder
+from onto_compiler.problems import OntoError
+from onto_compiler.required import RequiredABox
+from onto_compiler.schema import Schema
+from runtime.loop import RunFault
+from runtime.records import Application, Proposal, Verification
+from runtime.simulator.native import NativeTask
+
+__all__ = ["SETTLE_STEPS", "NativeEnvironment"]
+
+SETTLE_STEPS = 20  # control steps of 1/20 s without motion, after which an accepted state is asked again
+_QUERY = "check_success()"
+
+
+class NativeEnvironment:
+    """Satisfies :class:`runtime.loop.Environment` over a :class:`NativeTask`; applies proposals by writing ``qpos``."""
+
+    def __init__(self, task: NativeTask, required: RequiredABox, schema: Schema) -> None:
+        """Resolve the required facts in the task's scene.
+
+        Raises:
+            OntoError: ``SIM001`` ff., where a fact names what the scene lacks.
+        """
+        self._task = task
+        self._scene = Scene(task.model)
+        self._grounder = SimGrounder(self._scene, required.facts, schema)
+        self._premise = SimGrounder(self._scene, required.premise, schema)
+        self._scratch = mujoco.MjData(task.model)
+
+    @property
+    def scene(self) -> Scene:
+        """The index of the task's model."""
+        return self._scene
+
+    @property
+    def qpos(self) -> NDArray[np.float64]:
+        """A copy of the generalised positions, shape (nq,)."""
+        return np.array(self._task.data.qpos)
+
+    @property
+    def qvel(self) -> NDArray[np.float64]:
+        """A copy of the generalised velocities, shape (nv,)."""
+        return np.array(self._task.data.qvel)
+
+    def observe(self) -> Observation:
+        """The observed ABox of the goal."""
+        return self._grounder.observe(self._task.data)
+
+    def observe_premise(self) -> Observation:
+        """The observed ABox of the task's declared initial facts."""
+        return self._premise.observe(self._task.data)
+
+    def observe_at(self, qpos: NDArray[np.float64]) -> Observation:
+        """The observed ABox of the goal if ``qpos`` were written; the live state stays as it is."""
+        self._scratch.qpos[:] = qpos
+        self._scratch.qvel[:] = 0.0
+        mujoco.mj_forward(self._task.model, self._scratch)
+        return self._grounder.observe(self._scratch)
+
+    def apply(self, proposal: Proposal) -> Application:
+        """Write the proposal's ``qpos`` and nothing else; on a fault the state before is restored.
+
+        Raises:
+            RunFault: where the proposal, or the state that it leads to, is not finite or not of this scene.
+        """
+        before = self._task.snapshot()
+        start = self.qpos
+        try:
+            self._task.write_qpos(proposal.qpos)
+            fault = (
+                "" if np.isfinite(self._task.data.qacc).all() else "the written state's accelerations are not finite"
+            )
+        except (OntoError, mujoco.FatalError) as error:
+            fault = str(error)
+        if fault:
+            self._task.restore(before)
+            raise RunFault(fault)
+        return Application(proposal, "state", float(np.linalg.norm(proposal.qpos - start)))
+
+    def verify(self) -> Verification:
+        """Ask LIBERO."""
+        return Verification(_QUERY, self._task.success())
+
+    def settle(self, verification: Verification) -> Verification:
+        """Ask LIBERO again after :data:`SETTLE_STEPS` steps, then go back to the state that was verified."""
+        before = self._task.snapshot()
+        self._task.settle(SETTLE_STEPS)
+        finite = bool(np.isfinite(self._task.data.qpos).all())
+        settled = finite and self._task.success()
+        self._task.restore(before)
+        return replace(verification, settled=settled, settle_steps=SETTLE_STEPS)

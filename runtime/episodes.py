@@ -1,0 +1,98 @@
+"""One task and initial state in, one recorded episode out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from onto_compiler.bddl.lift import required_abox
+from onto_compiler.bddl.parse import parse_file
+from onto_compiler.knowledge import Knowledge
+from onto_compiler.problems import OntoError
+from onto_compiler.required import RequiredABox
+from onto_compiler.tables import SATISFIED, STATUSES
+from runtime.diagnosis import evidence_status
+from runtime.environment import NativeEnvironment
+from runtime.loop import CorrectionLoop
+from runtime.proposers.protocol import Proposer
+from runtime.records import Attempt, Episode
+from runtime.simulator.assets import TaskRef, initial_states
+from runtime.simulator.native import NativeTask, versions
+
+__all__ = ["BUDGET", "PREMISE_STEPS", "EpisodeRunner", "required_of"]
+
+BUDGET = 8  # attempts; see benchmarks/state_repair.py for what fewer would cost
+PREMISE_STEPS = 10  # official initial states hang above the table: the field settles them by ten steps without motion
+
+
+def required_of(ref: TaskRef, knowledge: Knowledge) -> RequiredABox:
+    """Compile a task's file to its required ABox."""
+    return required_abox(parse_file(ref.bddl), knowledge.schema, ref.name)
+
+
+@dataclass(frozen=True, slots=True)
+class EpisodeRunner:
+    """Runs episodes of one task; the scene is built once and every episode starts by a state write."""
+
+    ref: TaskRef
+    task: NativeTask
+    required: RequiredABox
+    environment: NativeEnvironment
+    knowledge: Knowledge
+    loop: CorrectionLoop
+
+    @classmethod
+    def open(
+        cls, ref: TaskRef, knowledge: Knowledge, proposers: Mapping[str, Proposer], seed: int = 0, budget: int = BUDGET
+    ) -> EpisodeRunner:
+        """Build the scene of ``ref``; raises ``SIM`` and ``BDDL`` problems."""
+        required = required_of(ref, knowledge)
+        task = NativeTask.open(ref, seed)
+        environment = NativeEnvironment(task, required, knowledge.schema)
+        return cls(ref, task, required, environment, knowledge, CorrectionLoop(knowledge, proposers, budget))
+
+    def run(
+        self, state_index: int, state: ArrayLike | None = None, report: Callable[[Attempt], None] | None = None
+    ) -> Episode:
+        """Start from the official initial state ``state_index`` (or a flat ``state``), settle, and correct.
+
+        Raises:
+            OntoError: ``SIM017``, where the task has no such initial state.
+        """
+        self.task.reset_to(self._official(state_index) if state is None else state)
+        self.task.settle(PREMISE_STEPS)
+        premise = self.environment.observe_premise()
+        unmet = evidence_status(self.required.premise, premise) != STATUSES.index(SATISFIED)
+        correction = self.loop.run(
+            self.required, self.environment, np.random.default_rng([self.task.seed, state_index]), report=report
+        )
+        return Episode(
+            task=self.ref.name,
+            suite=self.ref.suite,
+            state_index=state_index,
+            seed=self.task.seed,
+            required=self.required,
+            initial=correction.initial,
+            premise=premise,
+            premise_holds=not unmet.any(),
+            attempts=correction.attempts,
+            final=correction.final,
+            outcome=correction.outcome,
+            verification=correction.verification,
+            provenance=tuple(versions().items()),
+        )
+
+    def close(self) -> None:
+        """Free the scene."""
+        self.task.close()
+
+    def _official(self, state_index: int) -> NDArray[np.float64]:
+        states = initial_states(self.ref)
+        if not 0 <= state_index < len(states):
+            raise OntoError.of(
+                "SIM017", f"`{self.ref.name}` has no initial state {state_index}", f"it has {len(states)}, from 0"
+            )
+        return np.array(states[state_index])

@@ -23,7 +23,7 @@ __all__ = ["SINK_M", "end_values", "moved", "side_values"]
 SINK_M = 5e-4  # the deepest that something may sink into something else, half of what a test of a proposal allows
 _DEPTHS = (0.5, 0.3, 0.7, 0.85, 0.15)  # how far into the satisfied side, as a fraction of it
 _UNLIMITED = 0.5  # width (rad or m) taken for a side that the joint's range does not end
-_INSET = 0.05  # of the range: a joint at its very limit is pushed back by the limit's constraint
+_INSET = 0.02  # of the range: a joint at its very limit is pushed back by the limit's constraint
 
 
 def side_values(threshold: JointThreshold, limits: tuple[float, float] | None, polarity: bool) -> Iterator[float]:  # noqa: FBT001 - the record's own field

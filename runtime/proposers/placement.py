@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,15 +20,13 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["Access", "Pose", "Window", "drop", "rest_orientations", "yaws"]
-
-Access = Literal["any", "free", "enclosed"]
+__all__ = ["ENCLOSED", "UNBALANCED", "Pose", "Window", "drop", "rest_orientations", "yaws"]
 
 TOUCH_M = 3e-4  # about as deep as MuJoCo's default contacts let a light object sink under its own weight
 _STEP_M = 4e-3  # of the descent; thinner walls are still met, since the object itself is taller than this
 _RESOLUTION_M = 1e-5
 _STEADY_M = 0.002  # the lean that a resting object must bear
-UNBALANCED, ENCLOSED = 2, 1  # flaws
+UNBALANCED, ENCLOSED = 2, 1  # flaws: gravity would tip it; the region is covered
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,28 +69,22 @@ def rest_orientations(scene: Scene, qpos: Array, entity: str) -> list[Array]:
     return found
 
 
-def drop(clearance: Clearance, entity: str, pose: Pose, window: Window, access: Access = "any") -> Iterator[Candidate]:
+def drop(clearance: Clearance, entity: str, pose: Pose, window: Window, flaws: int = 0) -> Iterator[Candidate]:
     """Lower ``entity`` at ``pose`` and yield each height within ``window`` at which it comes to touch something.
 
-    ``access`` is "free" for the height that is reached from above, "enclosed" for those that are not, which are
-    then flawed (``ENCLOSED``), "any" where the way there does not matter. The entity sinks in by ``TOUCH_M`` at most;
-    a resting pose that gravity would tip is flawed (``UNBALANCED``).
+    """Lower ``entity`` at ``pose`` and yield each height in ``window`` at which it comes to touch something.
+    of the ``flaws`` that the caller knows of.
     """
     mover = _Mover(clearance, entity)
     below = mover.below(pose)
     top, bottom = window.roof + below + _STEP_M, window.low - _STEP_M
-    heights = np.linspace(top, bottom, max(int(np.ceil((top - bottom) / _STEP_M)) + 1, 2))
-    clear_above, previous = True, None
-    for height in heights:
+    previous = None
+    for height in np.linspace(top, bottom, max(int(np.ceil((top - bottom) / _STEP_M)) + 1, 2)):
         hit = mover.depth(pose, height) > TOUCH_M
-        wanted = access == "any" or (access == "free") == clear_above
-        if hit and wanted and previous is not None and height <= window.high:
+        if hit and previous is not None and height <= window.high:
             touch = _bisect(mover, pose, previous, float(height))
             if window.low <= touch <= window.high:
-                yield mover.candidate(pose, touch, enclosed=access == "enclosed")
-        clear_above = clear_above and not hit
-        if access == "free" and not clear_above:
-            return
+                yield mover.candidate(pose, touch, flaws)
         previous = None if hit else float(height)
 
 
@@ -142,9 +134,8 @@ class _Mover:
         low, _ = extent(self.clearance.model, self.clearance.data, self.clearance.scene.contact_geoms(self.entity))
         return float(self.home[2] - low[2])
 
-    def candidate(self, pose: Pose, height: float, *, enclosed: bool) -> Candidate:
+    def candidate(self, pose: Pose, height: float, flaws: int) -> Candidate:
         self.write(pose, height)
         lean = self.clearance.steadiness(self.entity, self.moving)
-        flaws = (UNBALANCED if lean < _STEADY_M else 0) + (ENCLOSED if enclosed else 0)
         note = pose.note if not self.riders else f"{pose.note}, carrying {', '.join(self.riders)}"
-        return Candidate(self.clearance.data.qpos.copy(), note, flaws, -lean)
+        return Candidate(self.clearance.data.qpos.copy(), note, flaws + (UNBALANCED if lean < _STEADY_M else 0), -lean)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from runtime.proposers.clearance import Clearance
 from runtime.proposers.geometry import align_yaw, extent
 from runtime.proposers.joints import SINK_M, end_values, moved
-from runtime.proposers.placement import Access, Pose, Window, drop, rest_orientations, yaws
+from runtime.proposers.placement import ENCLOSED, Pose, Window, drop, rest_orientations, yaws
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -29,7 +29,7 @@ __all__ = ["landing_batches", "site_window"]
 
 _QUARTERS = tuple(np.radians((0.0, 90.0, 180.0, 270.0)))
 _EIGHTHS = (*_QUARTERS, *np.radians((45.0, 135.0, 225.0, 315.0)))
-_FRACTIONS = (0.0, -0.4, 0.4, -0.8, 0.8)  # of a region's half size
+_FRACTIONS = (0.0, -0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8)  # of a region's half size
 _SLOT = 0.6  # of a region's half size: how far from its centre the outermost of several objects are put
 _RING_M = (0.008, 0.016, 0.024)  # offsets from a landmark's origin, inside the 3 cm of LIBERO's On(object, object)
 _UNDER_LOW, _UNDER_HIGH, _IN_LOW = -0.005, 0.10, -0.01  # m; libero/envs/objects/site_object.py, under and in_box
@@ -39,17 +39,17 @@ _ROOF_M = 0.02
 def landing_batches(request: Request, place: Place, slot: tuple[int, int]) -> Iterator[list[Candidate]]:
     """Batches of landings of ``place.subject``: one batch for each offset, nearest to its slot first.
 
-    When the region rides on a joint (a drawer), landings that are reached from above come first: as the joint is, then
-    with the joint near an end of its range, each followed by itself with the joint put back, what rests on it coming
-    along. Landings that no way from above leads to come last.
+    When the region rides on a joint (a drawer), landings that nothing of its parent covers come first: as the joint is,
+    then with the joint near an end of its range, each followed by itself with the joint put back and what rests on it
+    carried along. Landings in a covered region come last.
     """
     scene, qpos = request.scene, request.qpos
     clearance = Clearance(scene, qpos)
     joints = [] if place.site is None else [int(j) for j in scene.joints(place.site) if scene.model.jnt_limited[int(j)]]
     if not joints:
-        yield from _landings(clearance, place, slot, "any")
+        yield from _landings(clearance, place, slot)
         return
-    yield from _landings(clearance, place, slot, "free")
+    yield from _landings(clearance, place, slot, covered=False)
     for joint in joints:
         low, high = (float(v) for v in scene.model.jnt_range[joint])
         present = float(qpos[scene.qpos_slice(joint)][0])
@@ -58,14 +58,14 @@ def landing_batches(request: Request, place: Place, slot: tuple[int, int]) -> It
             slid, _, depth = moved(clearance, joint, value)
             if depth > SINK_M:
                 continue
-            for batch in _landings(Clearance(scene, slid), place, slot, "free"):
+            for batch in _landings(Clearance(scene, slid), place, slot, covered=False):
                 yield [replace(c, note=f"{c.note}; {label} moved to {value:.4f}") for c in batch]
                 yield [
                     replace(c, qpos=back, note=f"{c.note}; {label} moved to {value:.4f} and back")
                     for c in batch
                     if (back := _put_back(scene, c.qpos, joint, present, place.subject)) is not None
                 ]
-    yield from _landings(clearance, place, slot, "enclosed")
+    yield from _landings(clearance, place, slot, covered=True)
 
 
 def _put_back(scene: Scene, qpos: Array, joint: int, value: float, subject: str) -> Array | None:
@@ -73,13 +73,20 @@ def _put_back(scene: Scene, qpos: Array, joint: int, value: float, subject: str)
     return slid if subject in carried and depth <= SINK_M else None
 
 
-def _landings(clearance: Clearance, place: Place, slot: tuple[int, int], access: Access) -> Iterator[list[Candidate]]:
+def _landings(
+    clearance: Clearance, place: Place, slot: tuple[int, int], *, covered: bool | None = None
+) -> Iterator[list[Candidate]]:
+    """Landings at each offset; with ``covered``, only at those that the place's parent does or does not cover."""
     window = site_window(clearance, place)
     frame = _frame(clearance, place)
+    lids = _lids(clearance, place)
+    flaws = ENCLOSED if covered else 0
     for orientation in rest_orientations(clearance.scene, clearance.start, place.subject):
         aligned = align_yaw(orientation, frame)
         turns = (*(aligned + q for q in _QUARTERS), *_EIGHTHS) if place.contains else _EIGHTHS
         for x, y, offset in _offsets(clearance, place, slot):
+            if covered is not None and covered != any(lid.covers(x, y) for lid in lids):
+                continue
             yield [
                 landing
                 for matrix, angle in yaws(orientation, turns)
@@ -88,9 +95,30 @@ def _landings(clearance: Clearance, place: Place, slot: tuple[int, int], access:
                     place.subject,
                     Pose(x, y, matrix, f"{offset}, turned {np.degrees(angle):.0f} deg"),
                     window,
-                    access,
+                    flaws,
                 )
             ]
+
+
+@dataclass(frozen=True, slots=True)
+class _Lid:
+    """The horizontal rectangle (m) of a geom that lies above a region."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+    def covers(self, x: float, y: float) -> bool:
+        return self.low[0] <= x <= self.high[0] and self.low[1] <= y <= self.high[1]
+
+
+def _lids(clearance: Clearance, place: Place) -> list[_Lid]:
+    if place.site is None or place.parent is None:
+        return []
+    scene, model, data = clearance.scene, clearance.model, clearance.data
+    clearance.place(clearance.start)
+    height = data.site_xpos[scene.site(place.site)][2]
+    boxes = [extent(model, data, np.array([g])) for g in scene.contact_geoms(place.parent)]
+    return [_Lid((low[0], low[1]), (high[0], high[1])) for low, high in boxes if low[2] > height]
 
 
 def site_window(clearance: Clearance, place: Place) -> Window:

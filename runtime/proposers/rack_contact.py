@@ -72,7 +72,6 @@ def _batches(clearance: Clearance, place: Place, rack: str, site: str) -> Iterat
                 place.subject,
                 Pose(x, y, frame @ cube, f"{offset}, axes along {kind}, face {number}"),
                 window,
-                "free",
             )
         ]
 

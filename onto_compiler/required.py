@@ -31,7 +31,7 @@ class NativeAtom:
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One required assertion. ``threshold`` is the smallest margin that satisfies it, in the margin's unit."""
+    """One required assertion. ``threshold`` is the smallest margin that satisfies it (its unit the margin's)."""
 
     predicate: str  # IRI
     arguments: tuple[Entity, ...]

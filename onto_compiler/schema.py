@@ -63,6 +63,8 @@ class Binding:
     order: int
     landmark: re.Pattern[str] | None = None  # on the region's name; its group "landmark" names the second argument
     threshold: bool = False  # the second argument is the category's JointThreshold
+    premise_grounded_by: str | None = None  # what grounds the atom in :init, where that differs
+    premise_tolerance: float = 0.0  # how far below zero the margin of an initial fact may lie after settling
 
 
 @dataclass(frozen=True, slots=True)

@@ -26,7 +26,8 @@ def evidence_status(facts: Sequence[Fact], observation: Observation) -> NDArray[
     """Sat_T for each required fact, as an index into :data:`onto_compiler.tables.STATUSES`; shape (n,).
 
     A fact is absent without evidence; explicitly false when its truth differs from the required polarity; its margin is
-    violated when a defined margin, signed by polarity, lies below the required threshold.
+    violated when a defined margin, signed by polarity, lies below the required threshold. A negative threshold is a
+    tolerance (of an initial fact, see ``core:premiseTolerance``): the margin then decides, whatever the truth.
     """
     if len(facts) != len(observation):
         raise ValueError(f"{len(facts)} required facts and an observation of {len(observation)}")
@@ -37,6 +38,7 @@ def evidence_status(facts: Sequence[Fact], observation: Observation) -> NDArray[
     # A comparison with NaN is false: where no margin is defined, none is violated.
     status[signed < threshold] = _CODE[MARGIN_VIOLATED]
     status[observation.truth != polarity] = _CODE[EXPLICITLY_FALSE]
+    status[(threshold < 0) & (signed >= threshold)] = _CODE[SATISFIED]
     status[~observation.observed] = _CODE[ABSENT]
     return status
 

@@ -38,10 +38,11 @@ def lift(spec: TaskSpec, schema: Schema, task: str) -> tuple[RequiredABox, tuple
         OntoError: the goal does not lift; carries the warnings too.
 
     """
-    lifter = _Lifter(schema, scope_of(spec, schema))
+    scope = scope_of(spec, schema)
+    lifter, initial = _Lifter(schema, scope), _Lifter(schema, scope, premise=True)
     wanted, problems = literals(spec.goal)
     goal = [lifter.fact(atom, polarity=polarity) for atom, polarity in wanted]
-    premise = [lifter.fact(atom, polarity=True) for atom in spec.init]
+    premise = [initial.fact(atom, polarity=True) for atom in spec.init]
     errors = [*problems, *(problem for result in goal for problem in result.problems)]
     findings = [replace(problem, severity="warning") for result in premise for problem in result.problems]
     warnings = tuple(sorted({*findings, *lint(spec)}))
@@ -70,6 +71,7 @@ class _Result:
 class _Lifter:
     schema: Schema
     scope: Scope
+    premise: bool = False
 
     def fact(self, atom: Atom, *, polarity: bool) -> _Result:
         """Lift one atom; an atom with several faults has a problem for each."""
@@ -131,7 +133,10 @@ class _Lifter:
             )
             hint = f"correct the binding `{local_name(binding.iri)}` or the predicate's parameters"
             return _Result(problems=(Problem.at(atom.span, codes.ARGUMENT_TYPE, message, hint),))
-        return _Result(_fact(atom, signature.iri, entities, binding.grounded_by, polarity=polarity))
+        grounded_by = (self.premise and binding.premise_grounded_by) or binding.grounded_by
+        fact = _fact(atom, signature.iri, entities, grounded_by, polarity=polarity)
+        tolerated = self.premise and binding.premise_tolerance > 0
+        return _Result(replace(fact, threshold=-binding.premise_tolerance) if tolerated else fact)
 
     def threshold(self, category: str, native: str) -> JointThreshold | None:
         """The threshold of ``category`` for ``native``; predicates are compared without case."""

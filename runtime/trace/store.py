@@ -1,0 +1,270 @@
+"""Where traces live: an Oxigraph store on disk for writing, and any dump or store for reading."""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import io
+import shutil
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, serialize
+
+from onto_compiler.problems import OntoError, Problem
+from onto_compiler.rdf import PREFIXES, RDF, TRACE, node
+from onto_compiler.schema import Schema
+from runtime.records import Episode
+from runtime.trace.names import RUNS, episode_iri
+from runtime.trace.read import episode_iris, read_episode
+from runtime.trace.sparql import Answer, ask
+from runtime.trace.vocabulary import holds_vocabulary, vocabulary
+from runtime.trace.write import episode_quads
+
+__all__ = ["FORMATS", "Trace", "TraceStore", "dump", "newest_trace", "open_trace"]
+
+FORMATS = {
+    ".trig": RdfFormat.TRIG,
+    ".nq": RdfFormat.N_QUADS,
+    ".jsonld": RdfFormat.JSON_LD,
+    ".nt": RdfFormat.N_TRIPLES,
+    ".ttl": RdfFormat.TURTLE,
+}
+_AGAIN = "export it again with `onto trace export`"
+_COPIES = 3  # how often a copy of a store that is being written is tried
+
+
+class TraceStore:
+    """A store on disk that one process fills, an episode at a time, for one ``run``.
+
+    It also holds the ontology, so that a query can follow superclasses, units and labels at any SPARQL endpoint.
+    """
+
+    def __init__(self, path: Path | str, schema: Schema, run: str, *, ontology: Sequence[Path | str] = ()) -> None:
+        """Open or create the store in the folder ``path``.
+
+        Raises:
+            OntoError: TRC001, where the folder cannot be written or another process has it open.
+        """
+        self.path, self.schema, self.run = Path(path), schema, run
+        try:
+            self.path.mkdir(parents=True, exist_ok=True)
+            self._store = Store(str(self.path))
+        except (OSError, RuntimeError) as error:
+            raise _unwritable(self.path, error) from error
+        if not holds_vocabulary(self._store):
+            self._store.extend(vocabulary(ontology))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Write everything out and release the folder."""
+        self._store.flush()
+        # Oxigraph has no close: the lock on the folder goes with the last reference.
+        self._store = Store()
+
+    def has(self, suite: str, task: str, state_index: int) -> bool:
+        """Whether the episode is recorded, and thereby recorded whole."""
+        iri = node(episode_iri(self.run, suite, task, state_index))
+        pattern = self._store.quads_for_pattern(iri, node(RDF + "type"), node(TRACE + "Episode"), iri)
+        return next(pattern, None) is not None
+
+    def add(self, episode: Episode) -> str:
+        """Record ``episode`` in one transaction, in place of an earlier record of the same name; return its IRI.
+
+        Raises:
+            OntoError: TRC001, where the folder can no longer be written.
+        """
+        iri = episode_iri(self.run, episode.suite, episode.task, episode.state_index)
+        quads = list(episode_quads(episode, self.schema, self.run))
+        try:
+            if self.has(episode.suite, episode.task, episode.state_index):
+                self._store.update(_replacement(_graphs(self._store, iri), quads))
+            else:
+                self._store.extend(quads)
+        except OSError as error:
+            raise _unwritable(self.path, error) from error
+        return iri
+
+    def query(self, sparql: str, *, name: str = "", file: str = "") -> Answer:
+        """Ask the store, all graphs together; raises as :func:`runtime.trace.sparql.ask`."""
+        return ask(self._store, sparql, name=name, file=file)
+
+    def episodes(self) -> tuple[str, ...]:
+        """The IRIs of all recorded episodes."""
+        return episode_iris(self._store)
+
+    def episode(self, iri: str) -> Episode:
+        """The episode ``iri`` as it was recorded."""
+        return read_episode(self._store, iri)
+
+    def export_trig(self, path: Path | str) -> None:
+        """Write every run as TriG: the same episodes give the same bytes.
+
+        Raises:
+            OntoError: TRC001, where ``path`` cannot be written.
+        """
+        target = Path(path)
+        try:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(dump(self._store, RdfFormat.TRIG))
+        except OSError as error:
+            raise _unwritable(target, error) from error
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """A trace that is only read; ``source`` is the file or folder that it came from."""
+
+    store: Store
+    source: Path
+    _copy: tempfile.TemporaryDirectory[str] | None = field(default=None, repr=False)  # lives as long as the store
+
+    def query(self, sparql: str, *, name: str = "", file: str = "") -> Answer:
+        """Ask the trace, all graphs together; raises as :func:`runtime.trace.sparql.ask`."""
+        return ask(self.store, sparql, name=name, file=file)
+
+    def episodes(self) -> tuple[str, ...]:
+        """The IRIs of all recorded episodes."""
+        return episode_iris(self.store)
+
+    def episode(self, iri: str) -> Episode:
+        """The episode ``iri`` as it was recorded."""
+        return read_episode(self.store, iri)
+
+
+def open_trace(path: Path | str, *, ontology: Sequence[Path | str] = ()) -> Trace:
+    """Open a store folder or a dump for reading: ``.trig``, ``.nq``, ``.jsonld``, ``.nt``, ``.ttl``, each also ``.gz``.
+
+    A folder is read from a copy, as another process may be writing it.
+
+    Raises:
+        OntoError: TRC002, where there is no trace; TRC003, where it cannot be parsed.
+    """
+    source = Path(path)
+    if not source.exists():
+        raise OntoError.of(
+            "TRC002", f"`{path}` does not exist", "give a trace file or the folder of a store", str(path)
+        )
+    trace = _open_folder(source) if source.is_dir() else Trace(_open_file(source), source)
+    if not holds_vocabulary(trace.store):
+        trace.store.extend(vocabulary(ontology))
+    return trace
+
+
+def newest_trace(root: Path | str = "out") -> Path:
+    """The trace below ``root`` that was written last.
+
+    Raises:
+        OntoError: TRC002, where there is none.
+    """
+    base = Path(root)
+    stores = [marker.parent for marker in base.rglob("CURRENT")]
+    found = [*stores, *(file for file in base.rglob("trace.*") if _format(file) is not None)]
+    if not found:
+        hint = "record one with `onto demo`, or name a trace file"
+        raise OntoError.of("TRC002", f"there is no trace below `{base}`", hint)
+    return max(found, key=lambda path: (_age(path), path.name))
+
+
+def dump(store: Store, rdf_format: RdfFormat) -> bytes:
+    """The runs in ``store`` (not the ontology), sorted, so that equal traces give equal bytes."""
+    quads = sorted(_run_quads(store), key=_order)
+    prefixes = {**PREFIXES, "run": RUNS} if rdf_format in {RdfFormat.TRIG, RdfFormat.JSON_LD} else None
+    buffer = io.BytesIO()
+    serialize(quads, buffer, format=rdf_format, prefixes=prefixes)
+    return buffer.getvalue()
+
+
+def _run_quads(store: Store) -> Iterator[Quad]:
+    # A trace that came without graphs (Turtle, N-Triples) stands in the default graph.
+    yield from store.quads_for_pattern(None, None, None, DefaultGraph())
+    for graph in store.named_graphs():
+        if isinstance(graph, NamedNode) and graph.value.startswith(RUNS):
+            yield from store.quads_for_pattern(None, None, None, graph)
+
+
+def _order(quad: Quad) -> tuple[str, str, bool, str, str]:
+    kind = str(quad.predicate)
+    return str(quad.graph_name), str(quad.subject), kind != f"<{RDF}type>", kind, str(quad.object)
+
+
+def _graphs(store: Store, episode: str) -> list[str]:
+    """The named graphs of one recorded episode."""
+    graphs = [episode, *(f"{episode}/{part}" for part in ("required", "premise", "initial", "final"))]
+    for quad in store.quads_for_pattern(None, node(TRACE + "inEpisode"), node(episode), None):
+        if isinstance(quad.subject, NamedNode):
+            graphs += [quad.subject.value, quad.subject.value.replace("/attempt/", "/observed/")]
+    return graphs
+
+
+def _replacement(graphs: Sequence[str], quads: Sequence[Quad]) -> str:
+    """A SPARQL update, hence one transaction, that puts ``quads`` in the place of ``graphs``."""
+    drops = [f"DROP SILENT GRAPH <{graph}>" for graph in graphs]
+    data = "\n".join(f"GRAPH {q.graph_name} {{ {q.subject} {q.predicate} {q.object} }}" for q in quads)
+    return " ;\n".join([*drops, f"INSERT DATA {{\n{data}\n}}"])
+
+
+def _open_folder(source: Path) -> Trace:
+    if not (source / "CURRENT").exists():
+        if (source / "store" / "CURRENT").exists():
+            return _open_folder(source / "store")
+        dumps = [file for file in sorted(source.glob("trace.*")) if _format(file) is not None]
+        if dumps:
+            return Trace(_open_file(dumps[0]), dumps[0])
+        raise OntoError.of("TRC002", f"`{source}` holds no trace", "give a trace file or the folder of a store")
+    for _ in range(_COPIES):
+        # Oxigraph's threads may still write while the copy is being removed; the rest is the system's to clean.
+        copy = tempfile.TemporaryDirectory(prefix="onto-trace-", ignore_cleanup_errors=True)
+        # A file that a writer removes while we copy leaves an incomplete copy: then the next one is tried.
+        with contextlib.suppress(OSError, RuntimeError, shutil.Error):
+            shutil.copytree(source, copy.name, dirs_exist_ok=True)
+            return Trace(Store(copy.name), source, copy)
+        copy.cleanup()
+    hint = "record it again, or give a dump that `onto trace export` wrote"
+    raise OntoError.of("TRC003", f"`{source}` is not a readable store", hint)
+
+
+def _open_file(source: Path) -> Store:
+    rdf_format = _format(source)
+    if rdf_format is None:
+        hint = f"give a store's folder, or a file that ends in {', '.join(FORMATS)}"
+        raise OntoError.of("TRC002", f"`{source}` is no trace", hint)
+    store = Store()
+    try:
+        data = gzip.decompress(source.read_bytes()) if source.suffix == ".gz" else source.read_bytes()
+        store.load(data, format=rdf_format)
+    except SyntaxError as error:
+        message = f"the trace does not parse: {error.msg}"
+        problem = Problem(str(source), error.lineno or 0, error.offset or 0, "TRC003", "error", message, _AGAIN)
+        raise OntoError(problem) from error
+    except (OSError, EOFError, UnicodeDecodeError) as error:
+        raise OntoError.of("TRC003", f"the trace cannot be read: {error}", _AGAIN, str(source)) from error
+    return store
+
+
+def _format(file: Path) -> RdfFormat | None:
+    name = file.with_suffix("") if file.suffix == ".gz" else file
+    return FORMATS.get(name.suffix)
+
+
+def _age(path: Path) -> float:
+    files = [path, *path.iterdir()] if path.is_dir() else [path]
+    return max(file.stat().st_mtime for file in files)
+
+
+def _unwritable(path: Path, error: Exception) -> OntoError:
+    busy = "lock" in str(error).casefold()
+    message = f"`{path}` is in use by another process" if busy else f"cannot write `{path}`: {error}"
+    hint = "wait for it, or name another folder" if busy else "name a folder that you may write, with space left"
+    return OntoError.of("TRC001", message, hint, str(path))

@@ -1,0 +1,344 @@
+"""Records in, quads out: one named graph per ABox and per attempt (:mod:`runtime.trace.read` is the way back).
+
+What is not defined (a NaN margin or score, an empty note) is left out, as RDF has no need of a word for nothing.
+PROV relates the parts, so that `what led to this?` needs no other vocabulary.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Sequence
+from math import isnan
+
+from pyoxigraph import BlankNode, Literal, NamedNode, Quad
+
+from grounding.observation import Observation
+from onto_compiler.problems import Span
+from onto_compiler.rdf import CORE, PROV, RDF, RDFS, TRACE, boolean, double, integer, node
+from onto_compiler.required import Entity, Fact, RequiredABox
+from onto_compiler.schema import Schema
+from onto_compiler.tables import STATUSES
+from runtime.diagnosis import evidence_status
+from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
+from runtime.trace.names import LEVELS, MODES, OUTCOMES, SOURCES, entity_iri, episode_iri, run_iri
+
+__all__ = ["episode_quads"]
+
+Term = NamedNode | Literal | BlankNode
+Statement = tuple[str, str, Term]
+Value = str | bool | int | float | Term | None
+
+_TYPE = RDF + "type"
+_DERIVED, _GENERATED, _USED, _INFORMED = (
+    PROV + name for name in ("wasDerivedFrom", "wasGeneratedBy", "used", "wasInformedBy")
+)
+
+
+def episode_quads(episode: Episode, schema: Schema, run: str) -> Iterator[Quad]:
+    """Every statement about ``episode`` as a part of ``run``, graph by graph.
+
+    Raises:
+        ValueError: where one name stands for entities of two types, or an atom does not read back as it was written.
+    """
+    top = episode_iri(run, episode.suite, episode.task, episode.state_index)
+    thresholds = frozenset(threshold.iri for threshold in schema.thresholds.values())
+    _one_type_per_name((*episode.required.facts, *episode.required.premise), thresholds)
+    required, premise = f"{top}/required", f"{top}/premise"
+    facts, declared = episode.required.facts, episode.required.premise
+    graphs: list[tuple[str, Iterable[Statement]]] = [
+        (top, _episode(top, episode, run)),
+        (required, _required(required, top, episode.required, thresholds)),
+        (premise, _facts(premise, top, declared, thresholds)),
+        (premise, _observation(premise, premise, declared, episode.premise)),
+        (premise, _origin(premise, top, required)),
+        (f"{top}/initial", _observation(f"{top}/initial", required, facts, episode.initial)),
+        (f"{top}/initial", _origin(f"{top}/initial", top, required)),
+    ]
+    earlier, maker = f"{top}/initial", top
+    for attempt in episode.attempts:
+        observed, iri = f"{top}/observed/{attempt.index}", f"{top}/attempt/{attempt.index}"
+        graphs += [
+            (observed, _observation(observed, required, facts, attempt.observation)),
+            (observed, _origin(observed, maker, required, earlier)),
+            (iri, _attempt(iri, top, attempt, maker)),
+        ]
+        earlier, maker = observed, iri
+    final = f"{top}/final"
+    graphs += [
+        (final, _observation(final, required, facts, episode.final)),
+        (final, _origin(final, maker, required, earlier)),
+    ]
+    for graph, statements in graphs:
+        name = node(graph)
+        for subject, predicate, term in statements:
+            yield Quad(node(subject), node(predicate), term, name)
+
+
+def _describe(subject: str, types: Sequence[str], **values: Value) -> Iterator[Statement]:
+    """Statements of one subject; keywords are local names of our vocabularies, ``None`` says nothing."""
+    for cls in types:
+        yield subject, _TYPE, node(cls)
+    for key, value in values.items():
+        space, _, local = key.partition("_")
+        if value is not None:
+            yield subject, {"core": CORE, "trace": TRACE}[space] + local, _term(value)
+
+
+def _term(value: str | bool | float | Term) -> Term:  # noqa: FBT001 - the value is the whole argument
+    if isinstance(value, bool):
+        return boolean(value)
+    if isinstance(value, int):
+        return integer(value)
+    if isinstance(value, float):
+        return double(value)
+    return Literal(value) if isinstance(value, str) else value
+
+
+def _number(value: float) -> float | None:
+    return None if isnan(value) else float(value)
+
+
+def _link(subject: str, predicate: str, *objects: str) -> Iterator[Statement]:
+    for target in objects:
+        yield subject, predicate, node(target)
+
+
+def _episode(top: str, episode: Episode, run: str) -> Iterator[Statement]:
+    yield from _describe(run_iri(run), [TRACE + "Run"])
+    yield from _describe(
+        top,
+        [TRACE + "Episode"],
+        trace_inRun=node(run_iri(run)),
+        trace_task=episode.task,
+        trace_suite=episode.suite,
+        trace_stateIndex=episode.state_index,
+        trace_seed=episode.seed,
+        trace_requires=node(f"{top}/required"),
+        trace_initial=node(f"{top}/initial"),
+        trace_premise=node(f"{top}/premise"),
+        trace_premiseHolds=episode.premise_holds,
+        trace_final=node(f"{top}/final"),
+        trace_outcome=node(OUTCOMES[episode.outcome]),
+        trace_provenance=json.dumps(dict(episode.provenance), ensure_ascii=False),
+    )
+    yield from _link(top, _INFORMED, run_iri(run))
+    yield from _link(top, _USED, f"{top}/required")
+    if episode.verification is not None:
+        verification = f"{top}/verification"
+        yield from _link(top, TRACE + "verification", verification)
+        yield from _verification(verification, episode.verification)
+        yield from _link(verification, _GENERATED, top)
+        yield from _link(verification, _DERIVED, f"{top}/final", f"{top}/required")
+
+
+def _required(iri: str, top: str, required: RequiredABox, thresholds: frozenset[str]) -> Iterator[Statement]:
+    yield from _describe(
+        iri,
+        [TRACE + "RequiredABox"],
+        trace_task=required.task,
+        trace_language=required.language,
+        trace_problem=required.problem,
+        trace_taskFile=required.source,
+    )
+    yield from _link(iri, TRACE + "declares", *(f"{top}/premise/fact/{i}" for i in range(len(required.premise))))
+    yield from _link(iri, TRACE + "memberFact", *(f"{iri}/fact/{i}" for i in range(len(required.facts))))
+    yield from _facts(iri, top, required.facts, thresholds)
+
+
+def _facts(abox: str, top: str, facts: Sequence[Fact], thresholds: frozenset[str]) -> Iterator[Statement]:
+    for index, fact in enumerate(facts):
+        arguments = [node(a.type if a.type in thresholds else entity_iri(top, a.name)) for a in fact.arguments]
+        yield from _describe(
+            f"{abox}/fact/{index}",
+            [CORE + "RequiredFact"],
+            core_predicate=node(fact.predicate),
+            core_argument1=arguments[0] if arguments else None,
+            core_argument2=arguments[1] if len(arguments) > 1 else None,
+            core_polarity=fact.polarity,
+            core_requiredMargin=float(fact.threshold),
+            core_nativeAtom=str(fact.native),
+            core_groundedBy=fact.grounded_by,
+            trace_index=index,
+            trace_place=_place(fact.span),
+            trace_taskFile=fact.span.file if fact.span else None,
+        )
+        yield from _link(f"{abox}/fact/{index}", _DERIVED, f"{top}/required")
+        for argument in fact.arguments:
+            if argument.type not in thresholds:
+                yield from _entity(entity_iri(top, argument.name), argument)
+
+
+def _entity(iri: str, entity: Entity) -> Iterator[Statement]:
+    yield iri, _TYPE, node(entity.type)
+    yield iri, RDFS + "label", Literal(entity.name)
+
+
+def _place(span: Span | None) -> str | None:
+    return f"{span.line}:{span.column}-{span.end_line}:{span.end_column}" if span else None
+
+
+def _origin(iri: str, maker: str, *sources: str) -> Iterator[Statement]:
+    yield from _link(iri, _DERIVED, *sources)
+    yield from _link(iri, _GENERATED, maker)
+
+
+def _observation(iri: str, required: str, facts: Sequence[Fact], observation: Observation) -> Iterator[Statement]:
+    yield from _describe(
+        iri,
+        [TRACE + "ObservedABox"],
+        core_source=node(SOURCES[observation.source]),
+        trace_step=int(observation.step),
+    )
+    for index, code in enumerate(evidence_status(facts, observation)):
+        member = f"{iri}/observation/{index}"
+        truth = bool(observation.truth[index])
+        yield from _link(iri, TRACE + "memberFact", member)
+        yield from _describe(
+            member,
+            [CORE + "ObservedFact"],
+            core_fact=node(f"{required}/fact/{index}"),
+            core_source=node(SOURCES[observation.source]),
+            core_status=node(STATUSES[code]),
+            # A source without evidence states no truth value.
+            core_truth=truth if observation.observed[index] or truth else None,
+            core_margin=_number(observation.margin[index]),
+            core_score=_number(observation.score[index]),
+            core_limit=observation.limit[index] or None,
+            trace_index=index,
+        )
+        yield from _link(member, _DERIVED, f"{required}/fact/{index}")
+
+
+def _attempt(iri: str, top: str, attempt: Attempt, earlier: str) -> Iterator[Statement]:
+    observed = f"{top}/observed/{attempt.index}"
+    failed = attempt.application is not None and attempt.verification is not None and not attempt.verification.outcome
+    diagnoses = [f"{iri}/diagnosis/{i}" for i in range(len(attempt.diagnoses))]
+    yield from _describe(
+        iri,
+        [TRACE + "Attempt"],
+        trace_inEpisode=node(top),
+        trace_index=attempt.index,
+        trace_observed=node(observed),
+        trace_selected=node(f"{iri}/decision"),
+        trace_applied=node(f"{iri}/application") if attempt.application else None,
+        trace_verification=node(f"{iri}/verification") if attempt.verification else None,
+        trace_fault=attempt.fault or None,
+    )
+    yield from _link(iri, TRACE + "failure", *[CORE + "ExecutionFailure"] * failed)
+    yield from _link(iri, TRACE + "failure", *[CORE + "RunFault"] * bool(attempt.fault))
+    yield from _link(iri, TRACE + "diagnosis", *diagnoses)
+    yield from _link(iri, _USED, observed)
+    yield from _link(iri, _INFORMED, earlier)
+    chosen = f"{iri}/diagnosis/selected"
+    for index, (name, diagnosis) in enumerate(zip(diagnoses, attempt.diagnoses, strict=True)):
+        if _same(diagnosis, attempt.selected.diagnosis):
+            chosen = name
+        yield from _diagnosis(name, top, observed, index, diagnosis)
+        yield from _link(name, _GENERATED, iri)
+    if chosen not in diagnoses:
+        yield from _diagnosis(chosen, top, observed, len(diagnoses), attempt.selected.diagnosis)
+        yield from _link(chosen, _GENERATED, iri)
+    yield from _decision(f"{iri}/decision", chosen, attempt.selected)
+    yield from _link(f"{iri}/decision", _GENERATED, iri)
+    if attempt.application is not None:
+        yield from _application(iri, attempt.application)
+    if attempt.verification is not None:
+        verification = f"{iri}/verification"
+        yield from _verification(verification, attempt.verification)
+        yield from _link(verification, _GENERATED, f"{iri}/application" if attempt.application else iri)
+        yield from _link(verification, _DERIVED, f"{iri}/proposal" if attempt.application else f"{iri}/decision")
+
+
+def _same(left: Diagnosis, right: Diagnosis) -> bool:
+    """Equality under which two undefined margins are equal."""
+    return left is right or repr(left) == repr(right)
+
+
+def _diagnosis(iri: str, top: str, observed: str, index: int, diagnosis: Diagnosis) -> Iterator[Statement]:
+    yield from _describe(
+        iri,
+        [TRACE + "Diagnosis", diagnosis.failure],
+        core_fact=node(f"{top}/required/fact/{diagnosis.index}"),
+        core_failureClass=node(diagnosis.failure),
+        core_status=node(diagnosis.status),
+        core_truth=diagnosis.truth,
+        core_margin=_number(diagnosis.margin),
+        core_limit=diagnosis.limit or None,
+        core_source=node(SOURCES[diagnosis.source]),
+        core_diagnosedBy=node(diagnosis.rule),
+        core_priority=diagnosis.priority,
+        trace_index=index,
+    )
+    yield from _link(iri, _DERIVED, f"{observed}/observation/{diagnosis.index}")
+
+
+def _decision(iri: str, diagnosis: str, decision: RouteDecision) -> Iterator[Statement]:
+    # Status and previous route are said of the diagnosis, where the routing rules look for them.
+    yield from _describe(
+        diagnosis,
+        [],
+        core_attemptStatus=node(decision.attempt_status) if decision.attempt_status else None,
+        core_previousRoute=node(decision.previous) if decision.previous is not None else None,
+    )
+    yield from _describe(
+        iri,
+        [TRACE + "RouteDecision"],
+        core_route=node(decision.route),
+        core_decision=node(decision.decision),
+        core_routedBy=node(decision.rule),
+        trace_atLevel=node(LEVELS[decision.level]),
+        trace_of=node(diagnosis),
+    )
+    yield from _link(iri, _DERIVED, diagnosis)
+
+
+def _application(attempt: str, application: Application) -> Iterator[Statement]:
+    iri, proposal = f"{attempt}/application", f"{attempt}/proposal"
+    yield from _describe(
+        iri,
+        [TRACE + "Application"],
+        trace_proposal=node(proposal),
+        trace_mode=node(MODES[application.mode]),
+        trace_displacement=float(application.displacement),
+    )
+    yield from _link(iri, _USED, proposal)
+    yield from _link(iri, _INFORMED, attempt)
+    yield from _proposal(proposal, application.proposal)
+    yield from _link(proposal, _DERIVED, f"{attempt}/decision")
+    yield from _link(proposal, _GENERATED, attempt)
+
+
+def _proposal(iri: str, proposal: Proposal) -> Iterator[Statement]:
+    yield from _describe(
+        iri,
+        [TRACE + "Proposal"],
+        core_route=node(proposal.route),
+        trace_proposer=proposal.proposer,
+        trace_candidate=int(proposal.candidate),
+        trace_qpos=json.dumps(proposal.qpos.tolist()),
+        trace_changed=json.dumps([int(address) for address in proposal.changed]),
+        trace_note=proposal.note or None,
+    )
+
+
+def _verification(iri: str, verification: Verification) -> Iterator[Statement]:
+    yield from _describe(
+        iri,
+        [TRACE + "Verification"],
+        trace_query=verification.query,
+        trace_outcomeTruth=verification.outcome,
+        trace_settled=verification.settled,
+        trace_settleSteps=int(verification.settle_steps),
+    )
+
+
+def _one_type_per_name(facts: Iterable[Fact], thresholds: frozenset[str]) -> None:
+    types: dict[str, str] = {}
+    for fact in facts:
+        if str(fact.native).count("(") != 1 or len(fact.arguments) > 2:
+            raise ValueError(f"`{fact.native}` is not an atom of at most two plain names")
+        for argument in fact.arguments:
+            if argument.type in thresholds:
+                continue
+            if types.setdefault(argument.name, argument.type) != argument.type:
+                raise ValueError(f"`{argument.name}` is both a {types[argument.name]} and a {argument.type}")

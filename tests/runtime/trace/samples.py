@@ -1,0 +1,151 @@
+"""Made-up episodes of well-known tasks, small enough to check by eye; nothing was simulated."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from grounding.observation import Evidence, stack
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.problems import Span
+from onto_compiler.rdf import BASE, MAN
+from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
+from onto_compiler.tables import REPEAT
+from runtime.diagnosis import diagnose, select
+from runtime.records import Application, Attempt, Episode, Proposal, Verification
+from runtime.routing import route
+
+KNOWLEDGE = load_knowledge()
+SCHEMA = KNOWLEDGE.schema
+BOWL, PLATE = Entity("akita_black_bowl_1", MAN + "Object"), Entity("plate_1", MAN + "Object")
+STOVE, STOVE_ON = (
+    Entity("flat_stove_1", MAN + "ArticulatedFixture"),
+    Entity("flat_stove_on", BASE + "libero#flat_stove_on"),
+)
+FRONT = Entity("main_table_stove_front_region", MAN + "Region")
+ON = Fact(
+    MAN + "on",
+    (BOWL, PLATE),
+    NativeAtom("On", ("akita_black_bowl_1", "plate_1")),
+    "on_object",
+    span=Span("put_the_bowl_on_the_plate.bddl", 87, 10, 87, 42),
+)
+TURNED_ON = Fact(MAN + "joint_state", (STOVE, STOVE_ON), NativeAtom("Turnon", ("flat_stove_1",)), "joint_threshold")
+IN_FRONT = Fact(
+    MAN + "in_region",
+    (PLATE, FRONT),
+    NativeAtom("On", ("plate_1", "main_table_stove_front_region")),
+    "placed_in_region",
+)
+QUERY = "On(akita_black_bowl_1, plate_1)"
+PROVENANCE = (("onto-evwm", "0.1.0"), ("mujoco", "3.3.7"), ("seconds", 0.25))
+
+
+def observed(*evidence, step=10):
+    """A simulator's observation of ``(truth, margin, limit)`` triples."""
+    return stack("sim", step, [None if e is None else Evidence(*e) for e in evidence])
+
+
+def attempt(index, facts, observation, *, accepted, settled=None, previous=None, fault="", query=QUERY):
+    """One turn as the loop records it: diagnosed, selected and routed by the shipped rules, applied to the state."""
+    found = diagnose(facts, observation, KNOWLEDGE.tables)
+    chosen = select(found)
+    decision = route(chosen, KNOWLEDGE, REPEAT, previous) if previous else route(chosen, KNOWLEDGE)
+    if fault:
+        return Attempt(index, observation, found, decision, fault=fault)
+    qpos = np.array([0.1, -0.2, 0.9, 1.0, 0.0, 0.0, 0.0])
+    proposal = Proposal(decision.route, "heuristic", index, qpos, (0, 1, 2), "above the plate")
+    verification = Verification(query, accepted, settled, 20 if settled is not None else 0)
+    return Attempt(index, observation, found, decision, Application(proposal, "state", 0.31), verification)
+
+
+def episode(task, facts, initial, attempts, final, *, outcome, state=0, premise=(), verification=None):
+    """An episode of ``libero_goal``; ``premise`` is a pair of declared facts and their observation, or empty."""
+    declared, seen = premise or ((), observed())
+    holds = bool(np.all(seen.observed & (seen.truth == np.array([f.polarity for f in declared], dtype=np.bool_))))
+    last = attempts[-1].verification if attempts else None
+    return Episode(
+        task=task,
+        suite="libero_goal",
+        state_index=state,
+        seed=7,
+        required=RequiredABox(
+            task, task.replace("_", " "), "LIBERO_Tabletop_Manipulation", facts, declared, f"{task}.bddl"
+        ),
+        initial=initial,
+        premise=seen,
+        premise_holds=holds,
+        attempts=tuple(attempts),
+        final=final,
+        outcome=outcome,
+        verification=verification or last,
+        provenance=PROVENANCE,
+    )
+
+
+def accepted(task="put_the_bowl_on_the_plate", state=0):
+    """The first attempt is rejected, the second accepted, and it still holds after settling."""
+    start, nearer = observed((False, -0.142, "x")), observed((False, -0.021, "contact"))
+    first = attempt(0, (ON,), start, accepted=False)
+    second = attempt(1, (ON,), nearer, accepted=True, settled=True, previous=first.selected.route)
+    premise = ((IN_FRONT,), observed((True, 0.04, "y")))
+    return episode(
+        task,
+        (ON,),
+        start,
+        (first, second),
+        observed((True, 0.018, "height")),
+        outcome="accepted",
+        state=state,
+        premise=premise,
+    )
+
+
+def lost_after_settling():
+    """Two unmet facts; the one attempt is accepted and does not survive settling."""
+    facts = (ON, TURNED_ON)
+    start = observed((False, -0.2, "x"), (True, 0.3, "qpos"))
+    query = f"And({QUERY}, Turnon(flat_stove_1))"
+    turn = attempt(0, facts, start, accepted=True, settled=False, query=query)
+    final = observed((False, -0.004, "height"), (True, 0.3, "qpos"))
+    return episode("turn_on_the_stove", facts, start, (turn,), final, outcome="accepted")
+
+
+def disagreement():
+    """Grounding finds nothing to correct and the verifier says no."""
+    seen = observed((True, 0.02, "x"))
+    said = Verification(QUERY, outcome=False)
+    return episode(
+        "push_the_plate", (ON,), seen, (), seen, outcome="grounding_verifier_disagreement", verification=said
+    )
+
+
+def unresolved():
+    """A joint that no attempt corrects, from a start whose premise does not hold."""
+    start = observed((False, -0.5, "qpos"))
+    turn = attempt(0, (TURNED_ON,), start, accepted=False, query="Turnon(flat_stove_1)")
+    premise = ((IN_FRONT,), observed((False, -0.013, "x")))
+    return episode(
+        "turn_on_the_stove", (TURNED_ON,), start, (turn,), start, outcome="unresolved", state=1, premise=premise
+    )
+
+
+def faulted():
+    """The application broke off."""
+    start = observed((False, float("nan"), "contact"))
+    turn = attempt(0, (ON,), start, accepted=False, fault="qpos[3] is not finite")
+    return episode("put_the_bowl_on_the_plate", (ON,), start, (turn,), start, outcome="run_fault", state=2)
+
+
+def negated():
+    """A fact that is required not to hold, and one without evidence."""
+    facts = (replace(ON, polarity=False, span=None), IN_FRONT)
+    start = observed((True, 0.02, "x"), None)
+    turn = attempt(0, facts, start, accepted=False)
+    return episode("take_the_bowl_off", facts, start, (turn,), start, outcome="unresolved", state=3)
+
+
+def all_samples():
+    """Every sample, none of the same name."""
+    return (accepted(), lost_after_settling(), disagreement(), unresolved(), faulted(), negated())

@@ -1,0 +1,197 @@
+"""The store on disk: whole episodes or nothing, resumable, readable while it is written, repeatable in its export."""
+
+from __future__ import annotations
+
+import gzip
+import subprocess
+import sys
+
+import pytest
+from pyoxigraph import NamedNode, RdfFormat
+
+from onto_compiler.problems import OntoError
+from runtime.trace import store as module
+from runtime.trace.store import TraceStore, dump, newest_trace, open_trace
+from tests.runtime.trace import samples
+from tests.runtime.trace.plain import plain
+
+RUN = "test"
+
+
+def filled(path, episodes=None):
+    with TraceStore(path, samples.SCHEMA, RUN) as store:
+        for episode in episodes or samples.all_samples():
+            store.add(episode)
+    return path
+
+
+def code_of(error):
+    (problem,) = error.value.problems
+    assert problem.hint
+    return problem.code
+
+
+def test_what_was_added_is_there_after_reopening(tmp_path):
+    filled(tmp_path / "store")
+    trace = open_trace(tmp_path / "store")
+    found = [plain(trace.episode(iri)) for iri in trace.episodes()]
+    assert len(found) == 6
+    assert sorted(found) == sorted(map(plain, samples.all_samples()))
+
+
+def test_has_knows_exactly_the_recorded_episodes(tmp_path):
+    with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store:
+        episode = samples.accepted()
+        key = (episode.suite, episode.task, episode.state_index)
+        assert not store.has(*key)
+        store.add(episode)
+        assert store.has(*key)
+        assert not store.has(episode.suite, episode.task, 1)
+    with TraceStore(tmp_path / "store", samples.SCHEMA, "other") as store:
+        assert not store.has(*key)
+
+
+def test_adding_again_replaces_the_whole_episode(tmp_path):
+    with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store:
+        store.add(samples.accepted())
+        shorter = samples.episode(
+            "put_the_bowl_on_the_plate",
+            (samples.ON,),
+            samples.observed(None),
+            (),
+            samples.observed(None),
+            outcome="unresolved",
+        )
+        iri = store.add(shorter)
+        assert store.episodes() == (iri,)
+        assert plain(store.episode(iri)) == plain(shorter)
+        left = store.query("SELECT DISTINCT ?g { GRAPH ?g { ?s ?p ?o } FILTER CONTAINS(STR(?g), '/attempt/') }")
+        assert left.rows == ()
+
+
+def test_an_episode_that_cannot_be_written_leaves_nothing(tmp_path, monkeypatch):
+    real = module.episode_quads
+
+    def broken(*arguments):
+        yield next(real(*arguments))
+        raise ValueError("in the middle")
+
+    with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store:
+        monkeypatch.setattr(module, "episode_quads", broken)
+        with pytest.raises(ValueError, match="in the middle"):
+            store.add(samples.accepted())
+        assert store.episodes() == ()
+        assert store.query("ASK { GRAPH ?g { ?s a trace:Run } }").records() == [{"answer": False}]
+
+
+def test_a_store_is_readable_while_another_process_writes_it(tmp_path):
+    script = (
+        "import sys; from runtime.trace.store import TraceStore; from tests.runtime.trace import samples;"
+        f"store = TraceStore(sys.argv[1], samples.SCHEMA, {RUN!r}); store.add(samples.accepted());"
+        "print('added', flush=True); sys.stdin.readline()"
+    )
+    path = tmp_path / "store"
+    command = [sys.executable, "-c", script, str(path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as writer:
+        try:
+            assert writer.stdout.readline() == "added\n"
+            with pytest.raises(OntoError) as error:
+                TraceStore(path, samples.SCHEMA, RUN)
+            assert code_of(error) == "TRC001"
+            assert "in use" in str(error.value)
+            trace = open_trace(path)
+            assert plain(trace.episode(trace.episodes()[0])) == plain(samples.accepted())
+        finally:
+            writer.communicate("stop\n")
+
+
+def test_the_same_episodes_export_to_the_same_bytes_whatever_their_order(tmp_path):
+    for name, episodes in (("a", samples.all_samples()), ("b", samples.all_samples()[::-1])):
+        with TraceStore(tmp_path / name, samples.SCHEMA, RUN) as store:
+            for episode in episodes:
+                store.add(episode)
+            store.export_trig(tmp_path / f"{name}.trig")
+    text = (tmp_path / "a.trig").read_bytes()
+    assert text == (tmp_path / "b.trig").read_bytes()
+    assert text.startswith(b"@prefix")
+    assert b"owl#Ontology" not in text
+    assert b"owl:Ontology" not in text
+
+
+@pytest.mark.parametrize("ending", ["trig", "nq", "jsonld", "trig.gz"])
+def test_every_dump_reads_back_as_the_store(tmp_path, ending):
+    trace = open_trace(filled(tmp_path / "store"))
+    data = dump(trace.store, module.FORMATS["." + ending.partition(".")[0]])
+    file = tmp_path / f"trace.{ending}"
+    file.write_bytes(gzip.compress(data) if ending.endswith("gz") else data)
+    again = open_trace(file)
+    assert [plain(again.episode(i)) for i in again.episodes()] == [plain(trace.episode(i)) for i in trace.episodes()]
+    assert dump(again.store, RdfFormat.N_QUADS) == dump(trace.store, RdfFormat.N_QUADS)
+
+
+def test_an_unwritable_folder_is_a_problem_with_a_remedy(tmp_path):
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(OntoError) as error:
+        TraceStore(tmp_path / "file" / "store", samples.SCHEMA, RUN)
+    assert code_of(error) == "TRC001"
+    with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store, pytest.raises(OntoError) as error:
+        store.export_trig(tmp_path / "file" / "trace.trig")
+    assert code_of(error) == "TRC001"
+
+
+def test_a_missing_trace_is_a_problem_with_a_remedy(tmp_path):
+    (tmp_path / "notes.txt").write_text("x")
+    (tmp_path / "empty").mkdir()
+    for action in (
+        lambda: open_trace(tmp_path / "gone.trig"),
+        lambda: open_trace(tmp_path / "notes.txt"),
+        lambda: open_trace(tmp_path / "empty"),
+        lambda: newest_trace(tmp_path / "nothing"),
+    ):
+        with pytest.raises(OntoError) as error:
+            action()
+        assert code_of(error) == "TRC002"
+
+
+def test_a_corrupt_trace_says_where(tmp_path):
+    file = tmp_path / "trace.trig"
+    file.write_text("@prefix a: <http://a/> .\na:g { a:s a:p . }\n")
+    with pytest.raises(OntoError) as error:
+        open_trace(file)
+    assert code_of(error) == "TRC003"
+    assert error.value.problems[0].line == 2
+    (tmp_path / "trace.trig.gz").write_bytes(b"no gzip")
+    with pytest.raises(OntoError) as error:
+        open_trace(tmp_path / "trace.trig.gz")
+    assert code_of(error) == "TRC003"
+    broken = filled(tmp_path / "store")
+    for part in broken.glob("MANIFEST*"):
+        part.write_bytes(b"?")
+    with pytest.raises(OntoError) as error:
+        open_trace(broken)
+    assert code_of(error) == "TRC003"
+
+
+@pytest.mark.parametrize("lost", ["task", "requires", "memberFact", "index", "outcome", "query", "qpos"])
+def test_a_record_that_lacks_a_statement_says_which(tmp_path, lost):
+    trace = open_trace(filled(tmp_path / "store", [samples.accepted()]))
+    name = NamedNode(f"https://w3id.org/onto-evwm/trace#{lost}")
+    quads = [q for q in trace.store.quads_for_pattern(None, name, None, None) if "/run/" in q.graph_name.value]
+    assert quads
+    for quad in quads:
+        trace.store.remove(quad)
+    with pytest.raises(OntoError) as error:
+        trace.episode(trace.episodes()[0])
+    assert code_of(error) == "TRC003"
+
+
+def test_the_newest_trace_is_the_one_written_last(tmp_path):
+    import os
+
+    old, new = filled(tmp_path / "demo" / "store", [samples.accepted()]), tmp_path / "bench" / "trace.trig"
+    new.parent.mkdir()
+    new.write_bytes(dump(open_trace(old).store, RdfFormat.TRIG))
+    os.utime(new, (4e9, 4e9))
+    assert newest_trace(tmp_path) == new
+    os.utime(new, (1, 1))
+    assert newest_trace(tmp_path) == old

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from onto_compiler.bddl.lift import required_abox
-from onto_compiler.bddl.parse import parse_file
+from onto_compiler.bddl.parse import parse, parse_file
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
@@ -29,8 +29,12 @@ PREMISE_STEPS = 10  # official initial states hang above the table: the field se
 
 
 def required_of(ref: TaskRef, knowledge: Knowledge) -> RequiredABox:
-    """Compile a task's file to its required ABox."""
-    return required_abox(parse_file(ref.bddl), knowledge.schema, ref.name)
+    """Compile a task's file to its required ABox.
+
+    A suite's file is named ``SUITE/TASK.bddl`` in the record, so that the same run makes the same trace everywhere.
+    """
+    spec = parse(ref.bddl.read_text(encoding="utf-8"), f"{ref.suite}/{ref.bddl.name}") if ref.suite else None
+    return required_abox(spec or parse_file(ref.bddl), knowledge.schema, ref.name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +47,7 @@ class EpisodeRunner:
     environment: NativeEnvironment
     knowledge: Knowledge
     loop: CorrectionLoop
+    fresh: NDArray[np.float64]  # the flat state that the seeded reset left
 
     @classmethod
     def open(
@@ -52,7 +57,10 @@ class EpisodeRunner:
         required = required_of(ref, knowledge)
         task = NativeTask.open(ref, seed)
         environment = NativeEnvironment(task, required, knowledge.schema)
-        return cls(ref, task, required, environment, knowledge, CorrectionLoop(knowledge, proposers, budget))
+        data = task.data
+        fresh = np.concatenate([[data.time], data.qpos, data.qvel])
+        loop = CorrectionLoop(knowledge, proposers, budget)
+        return cls(ref, task, required, environment, knowledge, loop, fresh)
 
     def run(
         self, state_index: int, state: ArrayLike | None = None, report: Callable[[Attempt], None] | None = None
@@ -60,10 +68,9 @@ class EpisodeRunner:
         """Start from the official initial state ``state_index`` (or a flat ``state``), settle, and correct.
 
         Raises:
-            OntoError: ``SIM017``, where the task has no such initial state.
+            OntoError: as :meth:`start`.
         """
-        self.task.reset_to(self._official(state_index) if state is None else state)
-        self.task.settle(PREMISE_STEPS)
+        self.start(state_index, state)
         premise = self.environment.observe_premise()
         unmet = evidence_status(self.required.premise, premise) != STATUSES.index(SATISFIED)
         correction = self.loop.run(
@@ -85,12 +92,21 @@ class EpisodeRunner:
             provenance=tuple(versions().items()),
         )
 
+    def start(self, state_index: int, state: ArrayLike | None = None) -> None:
+        """Write the initial state and let it settle. A task without official states has one: its seeded reset.
+
+        Raises:
+            OntoError: ``SIM017``, where the task has no such initial state.
+        """
+        self.task.reset_to(self._official(state_index) if state is None else state)
+        self.task.settle(PREMISE_STEPS)
+
     def close(self) -> None:
         """Free the scene."""
         self.task.close()
 
     def _official(self, state_index: int) -> NDArray[np.float64]:
-        states = initial_states(self.ref)
+        states = initial_states(self.ref) if self.ref.initial_states.is_file() else self.fresh[None]
         if not 0 <= state_index < len(states):
             raise OntoError.of(
                 "SIM017", f"`{self.ref.name}` has no initial state {state_index}", f"it has {len(states)}, from 0"

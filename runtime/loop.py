@@ -78,7 +78,7 @@ class Correction:
 
 @dataclass(frozen=True, slots=True)
 class CorrectionLoop:
-    """The loop's fixed parts: what the ontology says, a proposer per route IRI, and how many attempts it may make."""
+    """The loop's fixed parts: what the ontology says, a proposer per route name, how many attempts it may make."""
 
     knowledge: Knowledge
     proposers: Mapping[str, Proposer]
@@ -186,7 +186,8 @@ class _Run:
             status, previous = EXHAUSTED, decision.route
 
     def _propose(self, decision: RouteDecision) -> Proposal | None:
-        proposer, environment = self.loop.proposers.get(decision.route), self.environment
+        name = self.loop.knowledge.schema.routes[decision.route].name
+        proposer, environment = self.loop.proposers.get(name), self.environment
         if proposer is None or environment is None:
             return None
         key = (decision.diagnosis.index, decision.route)

@@ -1,0 +1,1 @@
+"""The subcommands of ``onto`` that need a simulator: ground, diagnose, repair, demo."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -12,8 +11,6 @@ import ontology
 from onto_compiler.problems import OntoError, Problem
 
 __all__ = ["collect", "graph_of", "load_store", "parse_problem", "read_into"]
-
-_PLACE = re.compile(r"line (\d+) column (\d+)")
 
 
 def collect(paths: Iterable[Path | str]) -> tuple[Path, ...]:
@@ -73,12 +70,9 @@ def read_into(store: Store, path: Path) -> list[Problem]:
 
 def parse_problem(path: Path, error: SyntaxError) -> Problem:
     """Oxigraph's syntax error as a problem with a place."""
-    text = str(error)
-    line, column = error.lineno or 0, error.offset or 0
-    if not line and (match := _PLACE.search(text)):
-        line, column = int(match[1]), int(match[2])
-    message = re.sub(r"^Parser error (at|between) line .*?: ", "", text)
-    return Problem(str(path), line, column, "TTL001", "error", f"not Turtle: {message}", "see `onto explain TTL001`")
+    from onto_compiler.turtle.syntax import syntax_problem  # noqa: PLC0415 - a clean run never needs it
+
+    return syntax_problem(path, error)
 
 
 def _unreadable(path: Path, message: str) -> Problem:

@@ -1,0 +1,1 @@
+"""``onto check``: what is wrong with an ontology, and where."""

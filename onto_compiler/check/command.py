@@ -1,0 +1,124 @@
+"""The subcommands ``onto check`` and ``onto explain``."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from onto_compiler.command import CLEAN, FINDINGS, MISUSE, Command, add_format, print_json
+from onto_compiler.problems import Problem, near, render
+
+__all__ = ["CHECK", "EXPLAIN"]
+
+
+def _configure_check(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "paths",
+        nargs="*",
+        type=Path,
+        metavar="PATH",
+        help="Turtle files, or folders of them; without any, the shipped ontology",
+    )
+    parser.add_argument(
+        "--fail-on",
+        choices=("error", "warning"),
+        default="error",
+        help="the least severity that makes the exit code 1 (default: error)",
+    )
+    add_format(parser)
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    from onto_compiler.check.run import check  # noqa: PLC0415 - `onto --help` stays quick
+
+    begin = time.perf_counter()
+    paths: Sequence[Path] = arguments.paths
+    missing = [path for path in paths if not path.exists()]
+    for path in missing:
+        _say(f"onto check: `{path}` does not exist")
+    if missing:
+        return MISUSE
+    report = check(paths)
+    problems = [_relative(problem) for problem in report.problems]
+    if arguments.format == "json":
+        print_json({"problems": [problem.as_dict() for problem in problems]})
+    else:
+        for problem in problems:
+            sys.stdout.write(render(problem, _text(problem.file)) + "\n\n")
+    if problems:
+        _say(_summary(problems))
+    else:
+        seconds = time.perf_counter() - begin
+        files = _count(len(report.files), "file")
+        _say(f"no problem found in {files} ({report.triples:,} triples), {seconds:.2f} s")
+    counted = problems if arguments.fail_on == "warning" else [p for p in problems if p.severity == "error"]
+    return FINDINGS if counted else CLEAN
+
+
+def _say(message: str) -> None:
+    sys.stderr.write(message + "\n")
+
+
+def _relative(problem: Problem) -> Problem:
+    """The file as seen from the working directory, where it lies below it."""
+    try:
+        file = str(Path(problem.file).relative_to(Path.cwd()))
+    except ValueError:
+        return problem
+    return Problem(file, problem.line, problem.column, problem.code, problem.severity, problem.message, problem.hint)
+
+
+def _text(file: str) -> str | None:
+    try:
+        return Path(file).read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError):
+        return None
+
+
+def _summary(problems: Sequence[Problem]) -> str:
+    kinds = {"error": 0, "warning": 0}
+    for problem in problems:
+        kinds[problem.severity] += 1
+    detail = ", ".join(_count(number, kind) for kind, number in kinds.items() if number)
+    files = _count(len({problem.file for problem in problems}), "file")
+    return f"{_count(len(problems), 'problem')} ({detail}) in {files}"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
+def _configure_explain(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("code", metavar="CODE", help="the code of a problem, e.g. VOC001")
+
+
+def _explain(arguments: argparse.Namespace) -> int:
+    from onto_compiler.check.pages import codes, page  # noqa: PLC0415 - as above
+
+    code = str(arguments.code).upper()
+    text = page(code)
+    if text is None:
+        hint = near(code, codes())
+        _say(f"onto explain: `{arguments.code}` is no code of a problem; {hint}".rstrip("; "))
+        return MISUSE
+    sys.stdout.write(text.rstrip() + "\n")
+    return CLEAN
+
+
+CHECK = Command(
+    name="check",
+    help="Find what is wrong with an ontology: syntax, names, signatures, routes, rules, bindings and shapes.",
+    example="onto check my_domain.ttl --fail-on warning",
+    configure=_configure_check,
+    run=_check,
+)
+EXPLAIN = Command(
+    name="explain",
+    help="Print what a problem's code means, why it matters and what to write instead.",
+    example="onto explain VOC001",
+    configure=_configure_explain,
+    run=_explain,
+)

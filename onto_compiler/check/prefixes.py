@@ -1,0 +1,45 @@
+"""Checks on the prefix declarations of a file, which leave no trace in its triples."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from onto_compiler.check.model import Model
+from onto_compiler.problems import Problem
+from onto_compiler.rdf import PREFIXES
+
+__all__ = ["check_prefixes"]
+
+_DECLARATION = re.compile(r"(?im)^[ \t]*@?prefix[ \t]+([\w.-]*):[ \t]*<([^>]*)>")
+
+
+def check_prefixes(model: Model) -> Iterator[Problem]:
+    """Prefixes that nothing uses (SPARQL inside strings counts), and usual ones for another namespace than usual."""
+    for path in model.files:
+        text = model.text(path)
+        for match in _DECLARATION.finditer(text):
+            name, namespace = match[1], match[2]
+            line = text.count("\n", 0, match.start(1)) + 1
+            column = match.start(1) - text.rfind("\n", 0, match.start(1))
+            usual = PREFIXES.get(name, namespace)
+            if usual != namespace:
+                yield Problem(
+                    str(path),
+                    line,
+                    column,
+                    "TTL008",
+                    "error",
+                    f"the prefix `{name}:` stands for <{namespace}>, not for <{usual}>",
+                    f"write <{usual}>, or choose another prefix for another namespace",
+                )
+            elif not re.search(rf"(?<![\w.-]){re.escape(name)}:(?!\s*<)", text):
+                yield Problem(
+                    str(path),
+                    line,
+                    column,
+                    "TTL007",
+                    "warning",
+                    f"the prefix `{name}:` is declared and never used",
+                    "remove the declaration",
+                )

@@ -1,0 +1,270 @@
+"""Checks on the text of rules (``sh:SPARQLRule``), which SPARQL over the ontology cannot look into.
+
+Source: SHACL Advanced Features, section 8 (rules); the project's own restrictions are that a rule reads finite statuses
+only, writes about its focus node only, and never reads what it or a later rule writes, so that one pass is enough.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from pyoxigraph import Literal, NamedNode, QueryTriples, Store
+
+from onto_compiler.check.finding import Finding, Term
+from onto_compiler.check.model import Model
+from onto_compiler.check.patterns import Construct, Name, Step, read_construct
+from onto_compiler.rdf import CORE, SH
+from onto_compiler.turtle.tokens import Token
+
+__all__ = ["check_rules"]
+
+_CONSTRUCT = NamedNode(SH + "construct")
+_FAILURE_CLASS = CORE + "failureClass"
+_PLACE = re.compile(r"error at (\d+):(\d+): (.*)", re.DOTALL)
+_RULES = """
+SELECT ?rule ?text ?order WHERE { ?rule a sh:SPARQLRule ; sh:construct ?text . OPTIONAL { ?rule sh:order ?order } }"""
+_PREFIXES = """
+SELECT ?rule ?prefix ?namespace WHERE {
+    ?rule a sh:SPARQLRule ; sh:prefixes/owl:imports*/sh:declare ?declaration .
+    ?declaration sh:prefix ?prefix ; sh:namespace ?namespace }"""
+_DECLARED = "SELECT DISTINCT ?term WHERE { ?term a ?any FILTER isIRI(?term) }"
+_NAMESPACES = """
+SELECT DISTINCT ?namespace WHERE {
+    ?term rdfs:isDefinedBy ?any BIND (REPLACE(STR(?term), "[^#/]*$", "") AS ?namespace) }"""
+_CONTINUOUS = """
+SELECT ?property WHERE { ?property rdfs:range ?range VALUES ?range { xsd:double xsd:decimal xsd:float } }"""
+_RANGES = """
+SELECT ?property ?range ?instance WHERE {
+    ?property rdfs:range ?range . FILTER STRSTARTS(STR(?property), STR(core:)) ?instance a/rdfs:subClassOf* ?range }"""
+_FAILURES = "SELECT ?class WHERE { ?class rdfs:subClassOf* core:Failure }"
+_KINDS = "SELECT ?class ?above WHERE { ?class rdfs:subClassOf* ?above . ?above rdfs:subClassOf* core:Predicate }"
+_ROUTES = "SELECT ?failure ?kind WHERE { ?route core:admits ?failure ; core:supports ?kind }"
+
+
+@dataclass(frozen=True, slots=True)
+class _Rule:
+    iri: Term
+    text: Literal
+    order: float
+    query: Construct
+    prefixes: Mapping[str, str]
+
+    def finding(self, code: str, message: str, hint: str, at: Token | tuple[int, int], near: str = "") -> Finding:
+        """A fault at a token of the rule's text, or at (index, length)."""
+        index, length = (at.start, at.end - at.start) if isinstance(at, Token) else at
+        values: dict[str, Term | str] = {"name": at.text} if isinstance(at, Token) else {}
+        if near:
+            values["term"] = NamedNode(near)
+        return Finding(
+            code,
+            "error",
+            message,
+            hint,
+            self.iri,
+            _CONSTRUCT,
+            self.text,
+            values=values,
+            inside=(index, length),
+            near="term" if near else "",
+        )
+
+
+def check_rules(model: Model) -> Iterator[Finding]:
+    """What is wrong with the text of every rule."""
+    rules = list(_rules(model))
+    sound = []
+    for rule in rules:
+        faults = [*_prefix_faults(rule)] or [*_parse_faults(rule)]
+        yield from faults
+        if not faults:
+            sound.append(rule)
+    if not sound:
+        return
+    yield from _undeclared(model, sound)
+    yield from _conclusions(model, sound)
+    yield from _restrictions(model, sound)
+    yield from _unrouted(model, sound)
+
+
+def _rules(model: Model) -> Iterator[_Rule]:
+    prefixes: dict[Term, dict[str, str]] = {}
+    for row in model.rows(_PREFIXES):
+        prefixes.setdefault(row["rule"], {})[_text(row["prefix"])] = _text(row["namespace"])
+    for row in model.rows(_RULES):
+        text = row["text"]
+        if isinstance(text, Literal):
+            own = prefixes.get(row["rule"], {})
+            try:
+                order = float(_text(row["order"])) if "order" in row else 0.0
+            except ValueError:
+                order = 0.0
+            yield _Rule(row["rule"], text, order, read_construct(text.value, own), own)
+
+
+def _text(term: Term) -> str:
+    return term.value
+
+
+def _prefix_faults(rule: _Rule) -> Iterator[Finding]:
+    for token in rule.query.undeclared:
+        prefix = token.text.partition(":")[0]
+        yield rule.finding(
+            "RUL002",
+            f"`{{subject}}` uses the prefix `{prefix}:`, which its sh:prefixes does not declare",
+            f'add `[ sh:prefix "{prefix}" ; sh:namespace "..."^^xsd:anyURI ]` to the sh:declare of the ontology header',
+            token,
+        )
+
+
+def _parse_faults(rule: _Rule) -> Iterator[Finding]:
+    lines = " ".join(f"PREFIX {prefix}: <{iri}>" for prefix, iri in rule.prefixes.items())
+    try:
+        result = Store().query(f"{lines}\n{rule.text.value}")
+    except SyntaxError as error:
+        match = _PLACE.search(str(error))
+        line, column, expected = (int(match[1]) - 1, int(match[2]), match[3]) if match else (1, 1, "")
+        text = rule.text.value
+        starts = [0, *(found.end() for found in re.finditer("\n", text))]
+        index = min(starts[min(max(line, 1), len(starts)) - 1] + column - 1, max(len(text) - 1, 0))
+        found = " ".join(text[index : index + 20].split()) or "the end"
+        wanted = f"; expected {expected.removeprefix('expected ')}" if 0 < len(expected) < 60 else ""
+        yield rule.finding(
+            "RUL001",
+            f"the query of `{{subject}}` is no SPARQL from here on: `{found}`{wanted}",
+            "a rule is one CONSTRUCT query; `onto explain RUL001` shows one",
+            (index, 1),
+        )
+        return
+    except ValueError as error:  # Oxigraph's word for a query that parses and means nothing
+        yield rule.finding("RUL001", f"the query of `{{subject}}` is no SPARQL: {error}", "rewrite the query", (0, 1))
+        return
+    if not isinstance(result, QueryTriples):
+        yield rule.finding(
+            "RUL012", "the query of `{subject}` constructs nothing", "write `CONSTRUCT { ... } WHERE { ... }`", (0, 1)
+        )
+
+
+def _undeclared(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
+    declared = {_text(row["term"]) for row in model.rows(_DECLARED)}
+    namespaces = tuple(_text(row["namespace"]) for row in model.rows(_NAMESPACES))
+    for rule in rules:
+        seen = set()
+        for name in rule.query.names:
+            if name.iri.startswith(namespaces) and name.iri not in declared and name.iri not in seen:
+                seen.add(name.iri)
+                yield rule.finding(
+                    "RUL005",
+                    "`{subject}` names `{term}`, which nothing declares",
+                    "declare the term",
+                    name.token,
+                    name.iri,
+                )
+
+
+def _conclusions(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
+    declared = {_text(row["term"]) for row in model.rows(_DECLARED)}
+    failures = {_text(row["class"]) for row in model.rows(_FAILURES)}
+    ranges: dict[str, tuple[Term, set[str]]] = {}
+    for row in model.rows(_RANGES):
+        ranges.setdefault(_text(row["property"]), (row["range"], set()))[1].add(_text(row["instance"]))
+    for rule in rules:
+        for step in rule.query.writes:
+            if step.object not in declared:
+                continue
+            if step.predicate.iri == _FAILURE_CLASS and step.object not in failures:
+                yield rule.finding(
+                    "RUL006",
+                    "`{subject}` concludes `{name}`, which is no failure class",
+                    "conclude a subclass of core:PredicateFailure",
+                    step.at_object,
+                )
+            elif step.predicate.iri in ranges and step.object not in ranges[step.predicate.iri][1]:
+                kind = ranges[step.predicate.iri][0]
+                yield rule.finding(
+                    "RUL006",
+                    f"`{{subject}}` concludes `{{name}}`, which is no instance of {_short(kind)}",
+                    f"conclude an instance of {_short(kind)}, or change the property",
+                    step.at_object,
+                )
+
+
+def _short(term: Term) -> str:
+    return f"`{term.value.rpartition('#')[2] or term.value}`"
+
+
+def _restrictions(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
+    continuous = {_text(row["property"]) for row in model.rows(_CONTINUOUS)}
+    classes = {_text(row["class"]) for row in model.rows("SELECT ?class WHERE { ?class a owl:Class }")}
+    for rule in rules:
+        for step in rule.query.writes:
+            if step.subject != "this":
+                yield rule.finding(
+                    "RUL013",
+                    "`{subject}` concludes something of another node than its focus node",
+                    "write `$this` as the subject of everything that the rule concludes",
+                    step.predicate.token,
+                )
+        for step in rule.query.reads:
+            if step.predicate.iri in continuous:
+                yield rule.finding(
+                    "RUL007",
+                    "`{subject}` reads `{name}`, a number without a finite set of values",
+                    "read core:status, which says what the number means for the required fact",
+                    step.predicate.token,
+                )
+        later = [other for other in rules if other.order >= rule.order]
+        written = {step.predicate.iri for other in later for step in other.query.writes}
+        known = _class_valued(rules, classes)
+        for step in rule.query.reads:
+            if step.predicate.iri in written and not _is_class(step, rule.query, known):
+                yield rule.finding(
+                    "RUL008",
+                    "`{subject}` reads `{name}`, which this rule or one behind it in sh:order concludes",
+                    "give the rule a larger sh:order than those that conclude it, or read something else",
+                    step.predicate.token,
+                )
+
+
+def _class_valued(rules: list[_Rule], classes: set[str]) -> set[str]:
+    """The properties whose concluded values are all classes: what they point at is never a focus node."""
+    values: dict[str, set[str]] = {}
+    for rule in rules:
+        for step in rule.query.writes:
+            values.setdefault(step.predicate.iri, set()).add(step.object)
+    return {iri for iri, found in values.items() if found <= classes}
+
+
+def _is_class(step: Step, query: Construct, class_valued: set[str]) -> bool:
+    return any(other.object == step.subject and other.predicate.iri in class_valued for other in query.reads)
+
+
+def _unrouted(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
+    above: dict[str, set[str]] = {}
+    for row in model.rows(_KINDS):
+        above.setdefault(_text(row["class"]), set()).add(_text(row["above"]))
+    failures = {_text(row["class"]) for row in model.rows(_FAILURES)}
+    routed = {(_text(row["failure"]), _text(row["kind"])) for row in model.rows(_ROUTES)}
+    admitted = {failure for failure, _ in routed}
+    for rule in rules:
+        kinds = [name for name in rule.query.names if name.iri in above]
+        for step in rule.query.writes:
+            if step.predicate.iri != _FAILURE_CLASS or step.object not in failures:
+                continue
+            if step.object not in admitted:
+                yield _no_route(rule, step, None)
+                continue
+            for kind in kinds:
+                if not any((step.object, wider) in routed for wider in above[kind.iri]):
+                    yield _no_route(rule, step, kind)
+
+
+def _no_route(rule: _Rule, step: Step, kind: Name | None) -> Finding:
+    of = f" of a `{kind.token.text}`" if kind else ""
+    return rule.finding(
+        "RTE006",
+        f"no route takes the failure `{step.at_object.text}`{of} that `{{subject}}` concludes",
+        "let a route admit the failure class (core:admits) and support the kind of predicate (core:supports)",
+        kind.token if kind else step.at_object,
+    )

@@ -1,0 +1,83 @@
+"""All checks in a row. A clean run is a load and some two hundred SPARQL queries; no Python reads Turtle in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pyoxigraph import BlankNode, NamedNode
+
+from onto_compiler.check.bindings import check_bindings
+from onto_compiler.check.finding import Finding
+from onto_compiler.check.model import Model, load_model
+from onto_compiler.check.prefixes import check_prefixes
+from onto_compiler.check.queries import query_checks, run_query
+from onto_compiler.check.rules import check_rules
+from onto_compiler.problems import OntoError, Problem
+from onto_compiler.rdf import shorten
+from onto_compiler.shapes import ShapeResult, compile_shapes, validate
+
+__all__ = ["Report", "check", "check_model"]
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What was found, and in how much."""
+
+    problems: tuple[Problem, ...]
+    files: tuple[Path, ...]
+    triples: int
+
+
+def check(paths: Sequence[Path | str] = ()) -> Report:
+    """Check ``paths`` before the shipped ontology, or the shipped ontology itself.
+
+    A file that is missing or is not Turtle is a problem as any other; nothing else is then checked, because what such a
+    file would have declared is not known.
+    """
+    try:
+        model = load_model(paths)
+    except OntoError as error:
+        return Report(error.problems, tuple(dict.fromkeys(Path(problem.file) for problem in error.problems)), 0)
+    return Report(check_model(model), model.files, model.triples)
+
+
+def check_model(model: Model) -> tuple[Problem, ...]:
+    """Every problem of the model's reported files, in file order."""
+    problems = list(check_prefixes(model))
+    findings = [finding for one in query_checks() for finding in run_query(model, one)]
+    findings += [*check_rules(model), *check_bindings(model)]
+    try:
+        findings += _shape_findings(model)
+    except OntoError as error:
+        first = str(model.files[0]) if model.files else ""
+        problems += [replace(problem, file=problem.file or first) for problem in error.problems]
+    if findings:
+        from onto_compiler.check.locate import locate  # noqa: PLC0415 - a clean run never needs a source map
+
+        problems += locate(model, findings)
+    return tuple(sorted(set(problems)))
+
+
+def _shape_findings(model: Model) -> Iterator[Finding]:
+    shapes = compile_shapes(model.store)
+    for result in validate(model.store, shapes):
+        yield _finding(result)
+
+
+def _finding(result: ShapeResult) -> Finding:
+    message = result.message
+    if not result.code:
+        component = result.component.removesuffix("ConstraintComponent")
+        shape = "a shape" if isinstance(result.shape, BlankNode) else f"the shape `{shorten(result.shape.value)}`"
+        message = f"violates {shape}: {message or component}"
+    return Finding(
+        code=result.code or "SHP001",
+        severity="error" if result.severity == "Violation" else "warning",
+        message=f"`{{subject}}` {message}",
+        hint=result.hint or "change the data, or the shape; see `onto explain SHP001`",
+        subject=result.focus,
+        predicate=result.path if isinstance(result.path, NamedNode) else None,
+        object=result.value if isinstance(result.path, NamedNode) else None,
+    )

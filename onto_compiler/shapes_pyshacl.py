@@ -1,0 +1,80 @@
+"""Shapes with components that are not compiled, run by pySHACL; imported only where such a shape is met."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pyshacl
+from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Store, serialize
+from rdflib import Graph, URIRef
+from rdflib.namespace import RDF, SH
+
+from onto_compiler.problems import OntoError
+from onto_compiler.rdf import SH as SHACL
+from onto_compiler.shapes_sparql import Term, term_text
+
+__all__ = ["validate_foreign"]
+
+Row = tuple[Term, Term | None, Term | None, str, Term, str, str]
+
+
+def validate_foreign(store: Store, shape: Term) -> Iterator[Row]:
+    """Focus, path, value, component, source shape, message and severity of each result that ``shape`` has.
+
+    Raises:
+        OntoError: SHP002, where the shape has no IRI or pySHACL cannot use it.
+
+    """
+    if not isinstance(shape, NamedNode):
+        raise OntoError.of("SHP002", "a shape that needs pySHACL must have an IRI")
+    graph = as_graph(store)
+    try:
+        _, report, _ = pyshacl.validate(
+            graph, shacl_graph=graph, use_shapes=[shape.value], inference="none", advanced=False, inplace=True
+        )
+    except Exception as error:  # pySHACL raises what it likes on a shape it cannot use
+        raise OntoError.of("SHP002", f"{term_text(shape)} cannot run: {error}") from error
+    yield from read_report(report)
+
+
+def as_graph(store: Store) -> Graph:
+    """All graphs of ``store`` as one rdflib graph."""
+    text = serialize((quad.triple for quad in store), format=RdfFormat.N_TRIPLES)
+    return Graph().parse(data=(text or b"").decode(), format="nt")
+
+
+def read_report(report: Graph) -> Iterator[Row]:
+    """The results of a pySHACL report."""
+    for result in report.subjects(RDF.type, SH.ValidationResult):
+        yield (
+            _required(report.value(result, SH.focusNode)),
+            _term(report.value(result, SH.resultPath)),
+            _term(report.value(result, SH.value)),
+            _local(report.value(result, SH.sourceConstraintComponent)),
+            _required(report.value(result, SH.sourceShape)),
+            str(report.value(result, SH.resultMessage) or ""),
+            _local(report.value(result, SH.resultSeverity)),
+        )
+
+
+def _local(term: Any) -> str:  # noqa: ANN401 - rdflib's terms have no types here
+    return str(term).removeprefix(SHACL)
+
+
+def _required(term: Any) -> Term:  # noqa: ANN401
+    found = _term(term)
+    assert found is not None  # noqa: S101 - SHACL requires it of every result
+    return found
+
+
+def _term(term: Any) -> Term | None:  # noqa: ANN401
+    if term is None:
+        return None
+    if isinstance(term, URIRef):
+        return NamedNode(str(term))
+    if not hasattr(term, "datatype"):
+        return BlankNode(str(term))
+    if term.language:
+        return Literal(str(term), language=term.language)
+    return Literal(str(term), datatype=NamedNode(str(term.datatype)) if term.datatype else None)

@@ -1,0 +1,324 @@
+"""From a triple of a Turtle file to the place where it is written.
+
+A tolerant recursive descent over RDF 1.1 Turtle, section 6.5: it goes on behind the next dot where it cannot read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import cast
+
+from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Triple, parse
+
+from onto_compiler.problems import Span
+from onto_compiler.rdf import RDF, XSD
+from onto_compiler.turtle.tokens import Source, Token, position_in_literal, tokens, unescape
+
+__all__ = ["Located", "Prefix", "SourceMap", "Term", "canonical", "map_text", "read_map"]
+
+Term = NamedNode | BlankNode | Literal
+_FIRST, _REST, _NIL, _TYPE = (NamedNode(RDF + name) for name in ("first", "rest", "nil", "type"))
+_END = Token("end", "", 0, 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Located:
+    """A triple, and the tokens that its three parts were read from."""
+
+    subject: NamedNode | BlankNode
+    predicate: NamedNode
+    object: Term
+    at_subject: Token
+    at_predicate: Token
+    at_object: Token
+
+
+@dataclass(slots=True)
+class Prefix:
+    """A prefix declaration, and how often it is used behind it."""
+
+    name: str
+    namespace: str
+    token: Token
+    uses: int = 0
+
+
+@dataclass(slots=True)
+class SourceMap:
+    """The triples of one file in the order in which they are written."""
+
+    source: Source
+    triples: list[Located] = field(default_factory=list)
+    declared: list[Prefix] = field(default_factory=list)
+
+    def span(self, token: Token) -> Span:
+        """The place of a token."""
+        return self.source.span(token.start, token.end)
+
+    def inside(self, token: Token, index: int, length: int = 1) -> Span:
+        """The place of ``length`` characters of a literal's value, from character ``index`` on."""
+        start = token.start + position_in_literal(token.text, index)
+        end = token.start + position_in_literal(token.text, index + length)
+        return self.source.span(start, max(end, start + 1))
+
+    def find(self, subject: Term | None, predicate: Term | None = None, object_: Term | None = None) -> list[Located]:
+        """The triples that match; None is a wildcard, and a blank node of another parse stands for any blank node."""
+        wanted = [None if term is None else canonical(term) for term in (subject, predicate, object_)]
+        return [
+            triple
+            for triple in self.triples
+            if all(
+                term is None or _same(term, own)
+                for term, own in zip(wanted, (triple.subject, triple.predicate, triple.object), strict=True)
+            )
+        ]
+
+
+def _same(wanted: Term, own: Term) -> bool:
+    if isinstance(wanted, BlankNode):
+        return isinstance(own, BlankNode)
+    return wanted == (canonical(own) if isinstance(own, Literal) else own)
+
+
+def canonical(term: Term) -> Term:
+    """``term`` as Oxigraph's store keeps it: numbers, booleans and times lose their lexical form."""
+    if (
+        not isinstance(term, Literal)
+        or not term.datatype.value.startswith(XSD)
+        or term.datatype.value == XSD + "string"
+    ):
+        return term
+    store = Store()
+    store.add(Quad(_NIL, _NIL, term))
+    return cast("Literal", next(iter(store)).object)
+
+
+def read_map(path: Path, base: str | None = None) -> SourceMap:
+    """Read a file's source map.
+
+    Raises:
+        OSError, UnicodeDecodeError: the file cannot be read.
+
+    """
+    text = path.read_bytes().decode("utf-8-sig")
+    return map_text(text, str(path), base or path.as_uri())
+
+
+def map_text(text: str, file: str, base: str) -> SourceMap:
+    """The source map of a text; relative IRIs are resolved against ``base``."""
+    result = SourceMap(Source(file, text))
+    _Walker(result, base).run()
+    return result
+
+
+class _Unreadable(Exception):  # noqa: N818 - no error to its callers: the walker skips to the next dot
+    """The walker met a token that it cannot use."""
+
+
+@dataclass(slots=True)
+class _Walker:
+    result: SourceMap
+    base: str
+    prefixes: dict[str, Prefix] = field(default_factory=dict)
+    tokens: list[Token] = field(default_factory=list)
+    at: int = 0
+    blanks: dict[str, BlankNode] = field(default_factory=dict)
+
+    def run(self) -> None:
+        self.tokens = list(tokens(self.result.source.text))
+        while self.at < len(self.tokens):
+            begin = self.at
+            try:
+                self.statement()
+            except _Unreadable:
+                self.at = max(self.at, begin + 1)
+                while self.at < len(self.tokens) and self.next().text != ".":
+                    pass
+
+    # Tokens
+
+    @property
+    def peek(self) -> Token:
+        return self.tokens[self.at] if self.at < len(self.tokens) else _END
+
+    def next(self) -> Token:
+        token = self.peek
+        self.at += 1
+        return token
+
+    def take(self, *texts: str) -> Token | None:
+        return self.next() if self.peek.text in texts and self.peek.kind in {"mark", "word", "at"} else None
+
+    def expect(self, text: str) -> Token:
+        token = self.take(text)
+        if token is None:
+            raise _Unreadable
+        return token
+
+    # Grammar
+
+    def statement(self) -> None:
+        word = self.peek
+        if word.text in {"@prefix", "@base"} or (word.kind == "word" and word.text.upper() in {"PREFIX", "BASE"}):
+            self.next()
+            if word.text.upper().endswith("PREFIX"):
+                name = self.next()
+                target = self.next()
+                if name.kind != "name" or target.kind != "iri":
+                    raise _Unreadable
+                prefix = Prefix(name.text[:-1], self.iri(target).value, name)
+                self.prefixes[prefix.name] = prefix
+                self.result.declared.append(prefix)
+            else:
+                self.base = self.iri(self.next()).value
+            if word.text.startswith("@"):
+                self.expect(".")
+            return
+        token = self.peek
+        if self.peek.text == "[" and self.peek.kind == "mark":
+            subject: NamedNode | BlankNode = self.anonymous()
+            if self.peek.text != ".":
+                self.properties(subject, token)
+        else:
+            if self.peek.text == "(":
+                subject = self.collection()
+            elif (named := self.resource(self.next())) is not None:
+                subject = named
+            else:
+                raise _Unreadable
+            self.properties(subject, token)
+        self.expect(".")
+
+    def properties(self, subject: NamedNode | BlankNode, at_subject: Token) -> None:
+        while True:
+            verb = self.next()
+            predicate = _TYPE if verb.kind == "word" and verb.text == "a" else self.resource(verb)
+            if not isinstance(predicate, NamedNode):
+                raise _Unreadable
+            while True:
+                token = self.peek
+                value = self.object()
+                self.result.triples.append(Located(subject, predicate, value, at_subject, verb, token))
+                if self.take(",") is None:
+                    break
+            ended = False
+            while self.take(";") is not None:
+                ended = True
+            if not ended or self.peek.text in {".", "]", ""}:
+                return
+
+    def object(self) -> Term:
+        token = self.peek
+        if token.kind == "mark" and token.text == "[":
+            return self.anonymous()
+        if token.kind == "mark" and token.text == "(":
+            return self.collection()
+        self.next()
+        named = self.resource(token)
+        return named if named is not None else self.literal(token)
+
+    def anonymous(self) -> BlankNode:
+        opening = self.expect("[")
+        node = BlankNode()
+        if self.take("]") is None:
+            self.properties(node, opening)
+            self.expect("]")
+        return node
+
+    def collection(self) -> NamedNode | BlankNode:
+        opening = self.expect("(")
+        head: NamedNode | BlankNode = _NIL
+        last: BlankNode | None = None
+        while self.take(")") is None:
+            token = self.peek
+            cell = BlankNode()
+            if last is None:
+                head = cell
+            else:
+                self.result.triples.append(Located(last, _REST, cell, opening, token, token))
+            self.result.triples.append(Located(cell, _FIRST, self.object(), opening, token, token))
+            last = cell
+        if last is not None:
+            closing = self.tokens[self.at - 1]
+            self.result.triples.append(Located(last, _REST, _NIL, opening, closing, closing))
+        return head
+
+    def resource(self, token: Token) -> NamedNode | BlankNode | None:
+        match token.kind:
+            case "iri":
+                return self.iri(token)
+            case "name":
+                return self.name(token)
+            case "blank":
+                return self.blanks.setdefault(token.text, BlankNode())
+            case _:
+                return None
+
+    def literal(self, token: Token) -> Literal:
+        match token.kind:
+            case "number":
+                integer = token.text.lstrip("+-").isdigit()
+                kind = "integer" if integer else "double" if "e" in token.text.lower() else "decimal"
+                return Literal(token.text, datatype=NamedNode(XSD + kind))
+            case "word" if token.text in {"true", "false"}:
+                return Literal(token.text, datatype=NamedNode(XSD + "boolean"))
+            case "string":
+                quote = 3 if token.text[:3] in {'"""', "'''"} and len(token.text) >= 6 else 1
+                value = unescape(token.text[quote:-quote])
+                if self.peek.kind == "at":
+                    return Literal(value, language=self.next().text[1:])
+                if self.peek.kind == "datatype":
+                    self.next()
+                    datatype = self.resource(self.next())
+                    if not isinstance(datatype, NamedNode):
+                        raise _Unreadable
+                    return Literal(value, datatype=datatype)
+                return Literal(value)
+            case _:
+                raise _Unreadable
+
+    def iri(self, token: Token) -> NamedNode:
+        if token.kind != "iri":
+            raise _Unreadable
+        text = unescape(token.text[1:-1])
+        scheme = text.partition(":")[0]
+        if ":" in text and scheme and scheme.replace("+", "").replace("-", "").replace(".", "").isalnum():
+            return NamedNode(text)
+        return _resolve(text, self.base)
+
+    def name(self, token: Token) -> NamedNode:
+        prefix, _, local = token.text.partition(":")
+        declared = self.prefixes.get(prefix)
+        if declared is None:
+            raise _Unreadable
+        declared.uses += 1
+        return NamedNode(declared.namespace + _plain(local))
+
+
+def _plain(local: str) -> str:
+    """A local name without its backslashes."""
+    return "".join(_characters(local)) if "\\" in local else local
+
+
+def _characters(local: str) -> Iterator[str]:
+    skip = False
+    for character in local:
+        if character == "\\" and not skip:
+            skip = True
+            continue
+        skip = False
+        yield character
+
+
+def _resolve(reference: str, base: str) -> NamedNode:
+    """RFC 3986 resolution, by the parser that will also have the last word on it."""
+    try:
+        read = next(iter(parse(f"<{reference}> <x:p> <x:o> .".encode(), format=RdfFormat.TURTLE, base_iri=base)))
+    except (SyntaxError, ValueError) as error:
+        raise _Unreadable from error
+    subject = read.subject if isinstance(read, (Triple, Quad)) else None
+    if not isinstance(subject, NamedNode):
+        raise _Unreadable
+    return subject

@@ -1,0 +1,105 @@
+"""Turtle (and the inside of a SPARQL query) cut into tokens; nothing is rejected here.
+
+Source: the terminals of RDF 1.1 Turtle, section 6.5, and of SPARQL 1.1, section 19.8. Letters are what Python
+counts as such, slightly more than PN_CHARS; a file that uses the difference has already been rejected by Oxigraph.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from onto_compiler.problems import Span
+
+__all__ = ["Source", "Token", "position_in_literal", "tokens", "unescape"]
+
+_LOCAL = r"(?:[\w:\-\u00b7]|%[0-9A-Fa-f]{2}|\\[_~.\-!$&'()*+,;=/?\#@%]|\.(?=\.*[\w:\-%\\\u00b7]))*"
+_TOKEN = re.compile(
+    r"""
+      (?P<space>\s+|\#[^\n\r]*)
+    | (?P<iri><(?:[^\x00-\x20<>"{}|^`\\]|\\u[0-9A-Fa-f]{4}|\\U[0-9A-Fa-f]{8})*>)
+    | (?P<string>\"{3}(?:\"{0,2}(?:[^"\\]|\\.))*\"{3}|'{3}(?:'{0,2}(?:[^'\\]|\\.))*'{3}
+        |"(?:[^"\\\n\r]|\\.)*"|'(?:[^'\\\n\r]|\\.)*')
+    | (?P<unterminated>\"{3}|'{3}|"|')
+    | (?P<at>@[A-Za-z]+(?:-[A-Za-z0-9]+)*)
+    | (?P<datatype>\^\^)
+    | (?P<blank>_:\w(?:[\w\-.\u00b7]*[\w\-\u00b7])?)
+    | (?P<variable>[?$]\w+)
+    | (?P<number>[+-]?(?:\d+\.\d*[eE][+-]?\d+|\.\d+[eE][+-]?\d+|\d+[eE][+-]?\d+|\d*\.\d+|\d+))
+    | (?P<name>(?:[^\W\d](?:[\w\-.\u00b7]*[\w\-\u00b7])?)?:"""
+    + _LOCAL
+    + r""")
+    | (?P<word>[A-Za-z_]\w*)
+    | (?P<mark>.)
+    """,
+    re.VERBOSE | re.DOTALL,
+)
+_ESCAPE = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|(.))", re.DOTALL)
+_SIMPLE = {"t": "\t", "b": "\b", "n": "\n", "r": "\r", "f": "\f"}
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """``kind`` is a group name of the pattern above; ``start`` and ``end`` are offsets, the end exclusive."""
+
+    kind: str
+    text: str
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A file's text, with the offsets at which its lines begin."""
+
+    file: str
+    text: str
+    starts: tuple[int, ...] = field(default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        starts = (0, *(match.end() for match in re.finditer(r"\r\n|\n|\r", self.text)))
+        object.__setattr__(self, "starts", starts)
+
+    def span(self, start: int, end: int) -> Span:
+        """The place of the characters from ``start`` up to ``end``."""
+        return Span(self.file, *self._place(start), *self._place(end))
+
+    def offset(self, line: int, column: int) -> int:
+        """The offset of a place; lines and columns count from 1, and what lies beyond the text is its end."""
+        if line > len(self.starts):
+            return len(self.text)
+        return min(self.starts[max(line, 1) - 1] + max(column, 1) - 1, len(self.text))
+
+    def _place(self, offset: int) -> tuple[int, int]:
+        line = bisect_right(self.starts, offset)
+        return line, offset - self.starts[line - 1] + 1
+
+
+def tokens(text: str) -> Iterator[Token]:
+    """Every token of ``text`` that is neither space nor a comment."""
+    for match in _TOKEN.finditer(text):
+        kind = match.lastgroup or "mark"
+        if kind != "space":
+            yield Token(kind, match[0], match.start(), match.end())
+
+
+def unescape(text: str) -> str:
+    """Replace Turtle's string and numeric escapes by the characters that they stand for."""
+    return _ESCAPE.sub(_unescaped, text) if "\\" in text else text
+
+
+def position_in_literal(raw: str, index: int) -> int:
+    """The offset within ``raw``, a quoted literal as written, of character ``index`` of its value."""
+    quote = 3 if raw[:3] in {'"""', "'''"} else 1
+    at = quote
+    for _ in range(index):
+        match = _ESCAPE.match(raw, at)
+        at = match.end() if match else at + 1
+    return min(at, max(len(raw) - quote, quote))
+
+
+def _unescaped(match: re.Match[str]) -> str:
+    digits = match[1] or match[2]
+    return chr(int(digits, 16)) if digits else _SIMPLE.get(match[3], match[3])

@@ -48,7 +48,7 @@ def resolve_task(text: str) -> TaskRef:
     path = Path(text)
     if path.suffix == ".bddl":
         # Only official tasks have official initial states; any other starts from a seeded reset.
-        return TaskRef("", 0, path.stem, path, Path("."))
+        return TaskRef("", 0, path.stem, path, Path())
     suite, slash, name = text.partition("/")
     if not slash or not name:
         raise OntoError.of(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -100,6 +100,10 @@ class EpisodeRunner:
         """
         self.task.reset_to(self._official(state_index) if state is None else state)
         self.task.settle(PREMISE_STEPS)
+
+    def knowing(self, knowledge: Knowledge) -> EpisodeRunner:
+        """The same scene and budget under other rules."""
+        return replace(self, knowledge=knowledge, loop=replace(self.loop, knowledge=knowledge))
 
     def close(self) -> None:
         """Free the scene."""

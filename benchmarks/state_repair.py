@@ -76,7 +76,6 @@ def _row(episode: Episode) -> Row:
         "initially_true": episode.outcome == "verified",
         "settled": bool(episode.accepted and episode.verification is not None and episode.verification.settled),
         "attempts": len(episode.attempts),
-        "rejected": sum(1 for a in episode.attempts if a.verification is not None and not a.verification.outcome),
         "unmet": [str(diagnosis.fact) for diagnosis in first],
         "failures": [local_name(diagnosis.failure) for diagnosis in first],
         "routes": [local_name(attempt.selected.route) for attempt in episode.attempts],
@@ -97,9 +96,8 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
             found[f"{name}.{metric}.low"], found[f"{name}.{metric}.high"] = low, high
         done = [row for row in chosen if "attempts" in row]
         found[f"{name}.attempts"] = sum(row["attempts"] for row in done) / max(len(done), 1)
-        found[f"{name}.first_attempt"] = sum(bool(r["accepted"]) and r["rejected"] == 0 for r in done) / max(
-            len(done), 1
-        )
+        direct = sum(bool(row["accepted"]) and row["attempts"] <= len(row["unmet"]) for row in done)
+        found[f"{name}.one_attempt_per_fact"] = direct / max(len(done), 1)
     return found
 
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["CLEAN", "FINDINGS", "MISUSE", "Command", "add_format", "print_json"]
+__all__ = ["CLEAN", "FINDINGS", "MISUSE", "Command", "add_format", "add_ontology", "print_json"]
 
 CLEAN, FINDINGS, MISUSE = 0, 1, 2  # exit codes, as Ruff's
 
@@ -33,6 +33,17 @@ def add_format(parser: argparse.ArgumentParser, *others: str) -> None:
     choices = ("text", "json", *others)
     parser.add_argument("--format", choices=choices, default="text", help="what to print on standard output")
     parser.add_argument("--json", dest="format", action="store_const", const="json", help="short for --format json")
+
+
+def add_ontology(parser: argparse.ArgumentParser) -> None:
+    """Give ``parser`` the option ``--ontology PATH...``: a person's own Turtle on top of the shipped one."""
+    parser.add_argument(
+        "--ontology",
+        nargs="+",
+        default=[],
+        metavar="PATH",
+        help="Turtle files or folders that are added to the shipped ontology",
+    )
 
 
 def print_json(value: Any) -> None:  # noqa: ANN401 - whatever json.dumps takes

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from onto_compiler.problems import OntoError
 from runtime.simulator.assets import TaskRef, find_task, suites
 
-__all__ = ["add_ontology", "add_state", "add_task", "read_state", "resolve_task"]
+__all__ = ["add_state", "add_task", "read_state", "resolve_task"]
 
 
 def add_task(parser: argparse.ArgumentParser) -> None:
@@ -26,17 +26,6 @@ def add_state(parser: argparse.ArgumentParser) -> None:
         "--state-file", type=Path, metavar="FILE.npy", help="start from your own flat state instead: time, qpos, qvel"
     )
     parser.add_argument("--seed", type=int, default=0, help="places the fixtures (default 0)")
-
-
-def add_ontology(parser: argparse.ArgumentParser) -> None:
-    """``--ontology PATH...``: a person's own Turtle on top of the shipped one."""
-    parser.add_argument(
-        "--ontology",
-        nargs="+",
-        default=[],
-        metavar="PATH",
-        help="Turtle files or folders that are added to the shipped ontology",
-    )
 
 
 def resolve_task(text: str) -> TaskRef:

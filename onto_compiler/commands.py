@@ -1,0 +1,100 @@
+"""``onto compile``: a task file in, its typed required ABox out."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
+from onto_compiler.problems import OntoError, Problem, render
+from onto_compiler.required import Fact, RequiredABox
+from onto_compiler.schema import local_name
+
+__all__ = ["COMPILE"]
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("paths", nargs="+", metavar="TASK.bddl", help="task files")
+    add_ontology(parser)
+    add_format(parser)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from onto_compiler.bddl import lift, parse_file  # noqa: PLC0415 - heavy imports wait for the command to run
+    from onto_compiler.compile_schema import load_schema  # noqa: PLC0415
+
+    schema = load_schema(*options.ontology)
+    compiled: list[RequiredABox] = []
+    problems: list[Problem] = []
+    for path in options.paths:
+        try:
+            spec = parse_file(path)
+            abox, warnings = lift(spec, schema, spec.file.rpartition("/")[2].removesuffix(".bddl"))
+        except OntoError as error:
+            problems += error.problems
+        else:
+            compiled.append(abox)
+            problems += warnings
+    if options.format == "json":
+        tasks = [abox_record(abox) for abox in compiled]
+        print_json({"tasks": tasks, "problems": [problem.as_dict() for problem in problems]})
+    else:
+        sys.stdout.write("\n\n".join(_text(abox) for abox in compiled) + "\n" if compiled else "")
+        sys.stderr.write("".join(render(problem, _source(problem.file)) + "\n" for problem in problems))
+    return FINDINGS if any(problem.severity == "error" for problem in problems) else CLEAN
+
+
+def abox_record(abox: RequiredABox) -> dict[str, object]:
+    """A required ABox as JSON has it."""
+    return {
+        "task": abox.task,
+        "language": abox.language,
+        "problem": abox.problem,
+        "source": abox.source,
+        "facts": [_record(fact) for fact in abox.facts],
+        "premise": [_record(fact) for fact in abox.premise],
+    }
+
+
+def _record(fact: Fact) -> dict[str, object]:
+    return {
+        "predicate": local_name(fact.predicate),
+        "arguments": [{"name": a.name, "type": local_name(a.type)} for a in fact.arguments],
+        "polarity": fact.polarity,
+        "threshold": fact.threshold,
+        "native": str(fact.native),
+        "grounded_by": fact.grounded_by,
+        "line": fact.span.line if fact.span else 0,
+        "column": fact.span.column if fact.span else 0,
+    }
+
+
+def _text(abox: RequiredABox) -> str:
+    lines = [f"{abox.task}", f"  “{abox.language}”", "  must hold at the end:"]
+    lines += [_line(fact) for fact in abox.facts]
+    lines += ["  must hold at the start:", *(_line(fact) for fact in abox.premise)] if abox.premise else []
+    return "\n".join(lines)
+
+
+def _line(fact: Fact) -> str:
+    typed = ", ".join(f"{a.name}: {local_name(a.type)}" for a in fact.arguments)
+    sign = "" if fact.polarity else "not "
+    place = f"line {fact.span.line}" if fact.span else ""
+    return f"    {sign}{local_name(fact.predicate)}({typed})\n        from {fact.native}, {place}".rstrip(", ")
+
+
+def _source(file: str) -> str | None:
+    try:
+        with open(file, encoding="utf-8") as source:  # noqa: PTH123 - a name that may be empty or no path at all
+            return source.read()
+    except (OSError, UnicodeDecodeError):
+        return None
+
+
+COMPILE = Command(
+    name="compile",
+    help="Compile BDDL task files to the typed facts that they require.",
+    example="onto compile put_the_bowl_on_the_plate.bddl --json",
+    configure=_configure,
+    run=_run,
+)

@@ -18,60 +18,65 @@ __all__ = ["run_protocol"]
 
 
 def run_protocol(
-    protocol: Protocol, trials: Sequence[Trial], rows_file: Path, jobs: int, tick: Callable[[Row], None]
+    protocol: Protocol, trials: Sequence[Trial], rows_file: Path, jobs: int, tick: Callable[[], None]
 ) -> tuple[Row, ...]:
-    """Run every trial whose row is not yet in ``rows_file`` (JSON lines) and return all rows in the trials' order.
+    """Run every trial whose rows are not yet in ``rows_file`` (JSON lines) and return all rows in the trials' order.
 
-    A trial that raises gives a row with ``crashed`` set, which counts as a failure; ``tick`` is called once per row.
+    A trial that raises gives one row with ``crashed`` set, which counts as a failure; ``tick`` is called once per trial.
 
     Raises:
         OntoError: BEN002, where ``rows_file`` cannot be written.
     """
-    done = {row["key"]: row for row in _read(rows_file)}
+    done = dict(_read(rows_file))
     todo = [trial for trial in trials if trial["key"] not in done]
-    for trial in trials:
-        if trial["key"] in done:
-            tick(done[trial["key"]])
+    for _ in range(len(trials) - len(todo)):
+        tick()
     try:
         rows_file.parent.mkdir(parents=True, exist_ok=True)
         with rows_file.open("a", encoding="utf-8") as sink:
-            for row in _run_all(protocol, todo, jobs):
-                done[row["key"]] = row
-                sink.write(json.dumps(row) + "\n")
+            for key, rows in _run_all(protocol, todo, jobs):
+                done[key] = rows
+                sink.write(json.dumps([key, rows]) + "\n")
                 sink.flush()
-                tick(row)
+                tick()
     except OSError as error:
         raise OntoError.of("BEN002", f"cannot write `{rows_file}`: {error.strerror}", "choose another --out") from error
-    return tuple(done[trial["key"]] for trial in trials)
+    return tuple(row for trial in trials for row in done[trial["key"]])
 
 
-def _read(path: Path) -> Iterator[Row]:
-    """Rows that an earlier run left; a last line that was cut off is passed over."""
+def _read(path: Path) -> Iterator[tuple[str, list[Row]]]:
+    """Rows that an earlier run left, by trial; a last line that was cut off is passed over."""
     if not path.exists():
         return
     for line in path.read_text(encoding="utf-8").splitlines():
         try:
-            yield json.loads(line)
-        except json.JSONDecodeError:
+            key, rows = json.loads(line)
+        except ValueError:
             continue
+        yield key, rows
 
 
-def _run_all(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator[Row]:
+def _run_all(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator[tuple[str, list[Row]]]:
     if jobs <= 1 or len(trials) <= 1:
         yield from (_run_one(protocol, trial) for trial in trials)
         return
     # spawn: MuJoCo and Oxigraph hold threads, which a fork would cut in half.
     with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
         pending = [pool.submit(_run_one, protocol, trial) for trial in trials]
-        for future in as_completed(pending):
-            yield future.result()
+        try:
+            for future in as_completed(pending):
+                yield future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
 
 
-def _run_one(protocol: Protocol, trial: Trial) -> Row:
+def _run_one(protocol: Protocol, trial: Trial) -> tuple[str, list[Row]]:
     started = time.perf_counter()
     try:
-        row = protocol.run(trial)
+        rows = list(protocol.run(trial))
     except Exception as error:  # noqa: BLE001 - a crashed trial is a result: a failure, counted apart
         detail = traceback.format_exc(limit=-3) if os.environ.get("ONTO_DEBUG") else ""
-        row = {"crashed": f"{type(error).__name__}: {error}", "detail": detail}
-    return {**trial, **row, "seconds": round(time.perf_counter() - started, 3)}
+        rows = [{"crashed": f"{type(error).__name__}: {error}", "detail": detail}]
+    seconds = round(time.perf_counter() - started, 3)
+    return trial["key"], [{**trial, **row, "seconds": seconds} for row in rows]

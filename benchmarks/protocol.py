@@ -20,15 +20,15 @@ Trial = Mapping[str, Any]  # must be picklable, and its ``key`` unique within th
 class Protocol:
     """``trials(full)`` lists what to run; ``run`` runs one in a worker process; ``metrics`` is a pure function of rows.
 
-    ``run`` is called by name in a fresh process, so it is a module-level function. Each row holds the trial's ``key``,
-    its ``mode`` (``none``, ``state`` or ``controller``) and what it ``sees``.
+    ``run`` is called by name in a fresh process, so it is a module-level function; most trials give one row. Each row
+    holds its ``mode`` (``none``, ``state`` or ``controller``) and what it ``sees``; the engine adds the trial to it.
     """
 
     name: str
     help: str
     seeds: tuple[int, ...]
     trials: Callable[[bool], Sequence[Trial]]
-    run: Callable[[Trial], Row]
+    run: Callable[[Trial], Sequence[Row]]
     metrics: Callable[[Sequence[Row]], Mapping[str, float]]
 
 

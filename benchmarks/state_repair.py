@@ -39,13 +39,13 @@ def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signatur
     ]
 
 
-def run(trial: Trial) -> Row:
+def run(trial: Trial) -> list[Row]:
     """One episode."""
     knowledge = load_knowledge()
     if trial["method"] == "random_route":
         knowledge = _random_routes(knowledge, np.random.default_rng([SEED, trial["task"], trial["state"]]))
     runner = _runner(trial["suite"], trial["task"]).knowing(knowledge)
-    return _row(runner.run(trial["state"]))
+    return [_row(runner.run(trial["state"]))]
 
 
 @lru_cache(maxsize=1)

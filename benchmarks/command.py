@@ -1,0 +1,78 @@
+"""``onto bench``: run a protocol, keep its rows, write its result."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+from benchmarks.protocol import Protocol, load_protocols, protocol_named
+from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, print_json
+
+__all__ = ["BENCH"]
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", help="a protocol, `all`, or `list`")
+    parser.add_argument("--full", action="store_true", help="the published size; the result goes to benchmarks/results")
+    parser.add_argument("--out", type=Path, default=Path("out/bench"), help="where rows are kept (default out/bench)")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: one per core)")
+    add_format(parser)
+
+
+def _run(options: argparse.Namespace) -> int:
+    protocols = load_protocols()
+    if options.name == "list":
+        if options.format == "json":
+            print_json({name: protocol.help for name, protocol in protocols.items()})
+        else:
+            sys.stdout.write("".join(f"{name:<16}{protocol.help}\n" for name, protocol in protocols.items()))
+        return CLEAN
+    chosen = protocols.values() if options.name == "all" else [protocol_named(options.name)]
+    crashed = 0.0
+    records = {}
+    for protocol in chosen:
+        records[protocol.name] = record = _measure(protocol, options)
+        crashed += record["metrics"].get("crashed", 0)
+    if options.format == "json":
+        print_json({name: record["metrics"] for name, record in records.items()})
+    else:
+        for name, record in records.items():
+            lines = [f"  {metric:<52}{value:>12.4g}" for metric, value in record["metrics"].items()]
+            sys.stdout.write("\n".join([name, *lines]) + "\n")
+    return FINDINGS if crashed else CLEAN
+
+
+def _measure(protocol: Protocol, options: argparse.Namespace) -> dict[str, Any]:
+    from rich.console import Console  # noqa: PLC0415 - heavy imports wait for the run
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
+
+    from benchmarks.engine import run_protocol  # noqa: PLC0415
+    from benchmarks.results import RESULTS, git, read_result, write_result  # noqa: PLC0415
+
+    size = "full" if options.full else "small"
+    # Rows are resumed only where the code that made them is the code that runs now.
+    commit = git("rev-parse", "--short=12", "HEAD") or "unversioned"
+    rows_file = options.out / f"{protocol.name}.{size}.{commit}.jsonl"
+    if git("status", "--porcelain", "--untracked-files=no"):
+        rows_file.unlink(missing_ok=True)
+    trials = protocol.trials(options.full)
+    columns = (TextColumn(protocol.name), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True)) as progress:
+        bar = progress.add_task(protocol.name, total=len(trials))
+        rows = run_protocol(protocol, trials, rows_file, options.jobs, lambda: progress.advance(bar))
+    command = f"onto bench {protocol.name}{' --full' if options.full else ''}"
+    path = write_result(RESULTS if options.full else options.out, protocol, rows, command)
+    sys.stderr.write(f"wrote {path}\n")
+    return read_result(path)
+
+
+BENCH = Command(
+    name="bench",
+    help="Run a measurement protocol and write its result with how it was made.",
+    example="onto bench state_repair",
+    configure=_configure,
+    run=_run,
+)

@@ -22,7 +22,7 @@ def run_protocol(
 ) -> tuple[Row, ...]:
     """Run every trial whose rows are not yet in ``rows_file`` (JSON lines) and return all rows in the trials' order.
 
-    A trial that raises gives one row with ``crashed`` set, which counts as a failure; ``tick`` is called once per trial.
+    A trial that raises gives one row with ``crashed`` set, which counts as a failure. ``tick`` is called per trial.
 
     Raises:
         OntoError: BEN002, where ``rows_file`` cannot be written.

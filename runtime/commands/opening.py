@@ -1,31 +1,35 @@
-"""What a person types for a task, and the flags that the commands share."""
+"""From a command's arguments to an opened task."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
+from runtime.episodes import BUDGET, EpisodeRunner
+from runtime.proposers.registry import load_proposers
 from runtime.simulator.assets import TaskRef, find_task, suites
 
-__all__ = ["add_state", "add_task", "read_state", "resolve_task"]
+__all__ = ["read_state", "resolve_task", "task_runner"]
 
 
-def add_task(parser: argparse.ArgumentParser) -> None:
-    """The positional argument TASK."""
-    parser.add_argument("task", help="SUITE/INDEX or SUITE/NAME, e.g. libero_goal/8, or the path of a BDDL file")
-
-
-def add_state(parser: argparse.ArgumentParser) -> None:
-    """Where to start: ``--state``, ``--state-file`` and ``--seed``."""
-    parser.add_argument("--state", type=int, default=0, metavar="N", help="official initial state, from 0 (default 0)")
-    parser.add_argument(
-        "--state-file", type=Path, metavar="FILE.npy", help="start from your own flat state instead: time, qpos, qvel"
-    )
-    parser.add_argument("--seed", type=int, default=0, help="places the fixtures (default 0)")
+@contextmanager
+def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
+    """The runner for ``options.task`` under ``options.ontology`` and ``options.seed``; closed at the end."""
+    knowledge = load_knowledge(*options.ontology)
+    proposers = load_proposers(knowledge.schema)
+    budget = getattr(options, "budget", BUDGET)
+    runner = EpisodeRunner.open(resolve_task(options.task), knowledge, proposers, options.seed, budget)
+    try:
+        yield runner
+    finally:
+        runner.close()
 
 
 def resolve_task(text: str) -> TaskRef:

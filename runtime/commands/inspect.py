@@ -1,0 +1,126 @@
+"""``onto ground`` and ``onto diagnose``: what a state shows of a task's facts, and what follows from it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import Any
+
+from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
+from runtime.commands.options import add_state, add_task
+
+__all__ = ["DIAGNOSE", "GROUND"]
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    add_task(parser)
+    add_state(parser)
+    add_ontology(parser)
+    add_format(parser)
+
+
+def _ground(options: argparse.Namespace) -> int:
+    from onto_compiler.tables import STATUSES  # noqa: PLC0415 - heavy imports wait for the command to run
+    from runtime.commands.opening import read_state, task_runner  # noqa: PLC0415
+    from runtime.diagnosis import evidence_status  # noqa: PLC0415
+    from runtime.trace.narrate import amount, atom, short_name, unit_of  # noqa: PLC0415
+
+    with task_runner(options) as runner:
+        runner.start(options.state, read_state(options.state_file))
+        schema, required = runner.knowledge.schema, runner.required
+        verdict = runner.environment.verify().outcome
+        record: dict[str, Any] = {"suite": runner.ref.suite, "task": required.task, "state": options.state}
+        for part, facts, observation in (
+            ("facts", required.facts, runner.environment.observe()),
+            ("premise", required.premise, runner.environment.observe_premise()),
+        ):
+            statuses = evidence_status(facts, observation)
+            record[part] = [
+                {
+                    "fact": atom(fact, schema),
+                    "predicate": short_name(fact.predicate, schema),
+                    "arguments": [argument.name for argument in fact.arguments],
+                    "truth": bool(observation.truth[i]),
+                    "status": short_name(STATUSES[statuses[i]], schema),
+                    "margin": float(observation.margin[i]),
+                    "unit": unit_of(fact, schema),
+                    "limit": observation.limit[i],
+                    "native": str(fact.native),
+                }
+                for i, fact in enumerate(facts)
+            ]
+        record["native_success"] = verdict
+    if options.format == "json":
+        print_json(record)
+        return CLEAN
+    lines = [f"{record['task']}, state {options.state}, after settling"]
+    for part, heading in (("facts", "goal"), ("premise", "premise")):
+        lines.append(f"  {heading}")
+        for row in record[part]:
+            mark = "yes" if row["truth"] else "no"
+            limit = f" ({row['limit']})" if row["limit"] else ""
+            lines.append(f"    {mark:<4}{row['fact']}: {amount(row['margin'], row['unit'])}{limit}, {row['status']}")
+    lines.append(f"  the native check says {'success' if verdict else 'no success'}")
+    sys.stdout.write("\n".join(lines) + "\n")
+    return CLEAN
+
+
+def _diagnose(options: argparse.Namespace) -> int:
+    from runtime.commands.opening import read_state, task_runner  # noqa: PLC0415 - as above
+    from runtime.diagnosis import diagnose, select  # noqa: PLC0415
+    from runtime.routing import route  # noqa: PLC0415
+    from runtime.trace.narrate import amount, atom, short_name, unit_of  # noqa: PLC0415
+
+    with task_runner(options) as runner:
+        runner.start(options.state, read_state(options.state_file))
+        knowledge, facts = runner.knowledge, runner.required.facts
+        found = diagnose(facts, runner.environment.observe(), knowledge.tables)
+        task = runner.required.task
+    schema = knowledge.schema
+    first = select(found).index if found else -1
+    rows = [
+        {
+            "predicate": short_name(d.fact.predicate, schema),
+            "arguments": [argument.name for argument in d.fact.arguments],
+            "polarity": d.fact.polarity,
+            "truth": d.truth,
+            "status": short_name(d.status, schema),
+            "margin": d.margin,
+            "unit": unit_of(d.fact, schema),
+            "limit": d.limit,
+            "failure": short_name(d.failure, schema),
+            "route": short_name(route(d, knowledge).route, schema),
+            "rule": schema.labels.get(d.rule, d.rule),
+            "selected": d.index == first,
+        }
+        for d in found
+    ]
+    if options.format == "json":
+        print_json({"task": task, "state": options.state, "diagnoses": rows})
+    else:
+        lines = [f"{task}, state {options.state}: {len(rows) or 'no'} unmet of {len(facts)} required"]
+        for diagnosis, row in zip(found, rows, strict=True):
+            limit = f", decided by {row['limit']}" if row["limit"] else ""
+            lines += [
+                f"  {row['failure']}: {atom(diagnosis.fact, schema)}",
+                f"    margin {amount(diagnosis.margin, row['unit'])}{limit}; {row['status']}; rule “{row['rule']}”",
+                f"    route {row['route']}{' (selected first)' if row['selected'] and len(rows) > 1 else ''}",
+            ]
+        sys.stdout.write("\n".join(lines) + "\n")
+    return FINDINGS if rows else CLEAN
+
+
+GROUND = Command(
+    name="ground",
+    help="Ground a task's facts in an initial state: truth, signed margin and status of each.",
+    example="onto ground libero_goal/8 --state 3",
+    configure=_configure,
+    run=_ground,
+)
+DIAGNOSE = Command(
+    name="diagnose",
+    help="Name each unmet fact of a task in an initial state, its kind of failure and its route.",
+    example="onto diagnose libero_10/2 --json",
+    configure=_configure,
+    run=_diagnose,
+)

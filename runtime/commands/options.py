@@ -1,0 +1,29 @@
+"""Arguments that several commands share; light, as the help of every command imports it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+__all__ = ["add_budget", "add_state", "add_task"]
+
+
+def add_task(parser: argparse.ArgumentParser) -> None:
+    """The positional argument TASK."""
+    parser.add_argument("task", help="SUITE/INDEX or SUITE/NAME, e.g. libero_goal/8, or the path of a BDDL file")
+
+
+def add_state(parser: argparse.ArgumentParser) -> None:
+    """Where to start: ``--state``, ``--state-file`` and ``--seed``."""
+    parser.add_argument("--state", type=int, default=0, metavar="N", help="official initial state, from 0 (default 0)")
+    parser.add_argument(
+        "--state-file", type=Path, metavar="FILE.npy", help="start from your own flat state instead: time, qpos, qvel"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="places the fixtures (default 0)")
+
+
+def add_budget(parser: argparse.ArgumentParser) -> None:
+    """How many attempts the loop may make."""
+    parser.add_argument(
+        "--budget", type=int, default=8, metavar="B", help="attempts that the loop may make (default 8)"
+    )

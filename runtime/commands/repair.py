@@ -1,0 +1,52 @@
+"""``onto repair``: run the correction loop on one task and state, and tell what happened."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
+from runtime.commands.options import add_budget, add_state, add_task
+
+__all__ = ["REPAIR"]
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    add_task(parser)
+    add_state(parser)
+    add_budget(parser)
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="also record the episode in DIR/store and DIR/trace.trig"
+    )
+    add_ontology(parser)
+    add_format(parser)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from runtime.commands.opening import read_state, task_runner  # noqa: PLC0415 - heavy imports wait for the run
+    from runtime.summary import episode_summary  # noqa: PLC0415
+    from runtime.trace.narrate import narrate  # noqa: PLC0415
+    from runtime.trace.store import TraceStore  # noqa: PLC0415
+
+    with task_runner(options) as runner:
+        episode = runner.run(options.state, read_state(options.state_file))
+        schema = runner.knowledge.schema
+    if options.out is not None:
+        with TraceStore(options.out / "store", schema, "repair", ontology=options.ontology) as store:
+            store.add(episode)
+            store.export_trig(options.out / "trace.trig")
+    if options.format == "json":
+        print_json(episode_summary(episode, schema))
+    else:
+        sys.stdout.write(narrate(episode, schema) + "\n")
+    return CLEAN if episode.accepted else FINDINGS
+
+
+REPAIR = Command(
+    name="repair",
+    help="Diagnose, route, correct and verify one task from one initial state.",
+    example="onto repair libero_goal/8 --state 3 --budget 4",
+    configure=_configure,
+    run=_run,
+)

@@ -51,15 +51,20 @@ class EpisodeRunner:
 
     @classmethod
     def open(
-        cls, ref: TaskRef, knowledge: Knowledge, proposers: Mapping[str, Proposer], seed: int = 0, budget: int = BUDGET
+        cls,
+        ref: TaskRef,
+        knowledge: Knowledge,
+        proposers: Mapping[str, Proposer],
+        seed: int = 0,
+        budget: int | None = None,
     ) -> EpisodeRunner:
-        """Build the scene of ``ref``; raises ``SIM`` and ``BDDL`` problems."""
+        """Build the scene of ``ref``; without ``budget`` :data:`BUDGET` holds. Raises ``SIM`` and ``BDDL`` problems."""
         required = required_of(ref, knowledge)
         task = NativeTask.open(ref, seed)
         environment = NativeEnvironment(task, required, knowledge.schema)
         data = task.data
         fresh = np.concatenate([[data.time], data.qpos, data.qvel])
-        loop = CorrectionLoop(knowledge, proposers, budget)
+        loop = CorrectionLoop(knowledge, proposers, BUDGET if budget is None else budget)
         return cls(ref, task, required, environment, knowledge, loop, fresh)
 
     def run(

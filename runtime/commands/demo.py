@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from runtime.commands.options import add_budget
 if TYPE_CHECKING:
     from onto_compiler.knowledge import Knowledge
     from runtime.records import Episode
+    from runtime.trace.sparql import Answer
     from runtime.trace.store import TraceStore
 
 __all__ = ["DEMO"]
@@ -41,6 +43,7 @@ def _run(options: argparse.Namespace) -> int:
     knowledge = load_knowledge(*options.ontology)
     run = f"demo-{options.suite}-state{options.state}-seed{options.seed}"
     episodes: list[Episode] = []
+    answers: list[Answer] = []
     with TraceStore(options.out / "store", knowledge.schema, run, ontology=options.ontology) as store:
         try:
             _episodes(options, knowledge, store, episodes)
@@ -89,7 +92,9 @@ def _episodes(options: argparse.Namespace, knowledge: Knowledge, store: TraceSto
             progress.advance(bar)
 
 
-def _print(episodes, knowledge, answers, out, wall):  # type: ignore[no-untyped-def] # noqa: ANN001, ANN202
+def _print(
+    episodes: Sequence[Episode], knowledge: Knowledge, answers: Sequence[Answer], out: Path, wall: float
+) -> None:
     from rich.console import Console  # noqa: PLC0415 - as above
 
     from runtime.summary import demo_table  # noqa: PLC0415

@@ -100,10 +100,11 @@ def _diagnose(options: argparse.Namespace) -> int:
     else:
         lines = [f"{task}, state {options.state}: {len(rows) or 'no'} unmet of {len(facts)} required"]
         for diagnosis, row in zip(found, rows, strict=True):
+            margin = amount(diagnosis.margin, unit_of(diagnosis.fact, schema))
             limit = f", decided by {row['limit']}" if row["limit"] else ""
             lines += [
                 f"  {row['failure']}: {atom(diagnosis.fact, schema)}",
-                f"    margin {amount(diagnosis.margin, row['unit'])}{limit}; {row['status']}; rule “{row['rule']}”",
+                f"    margin {margin}{limit}; {row['status']}; rule “{row['rule']}”",
                 f"    route {row['route']}{' (selected first)' if row['selected'] and len(rows) > 1 else ''}",
             ]
         sys.stdout.write("\n".join(lines) + "\n")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
-from runtime.episodes import BUDGET, EpisodeRunner
+from runtime.episodes import EpisodeRunner
 from runtime.proposers.registry import load_proposers
 from runtime.simulator.assets import TaskRef, find_task, suites
 
@@ -24,7 +24,7 @@ def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
     """The runner for ``options.task`` under ``options.ontology`` and ``options.seed``; closed at the end."""
     knowledge = load_knowledge(*options.ontology)
     proposers = load_proposers(knowledge.schema)
-    budget = getattr(options, "budget", BUDGET)
+    budget = getattr(options, "budget", None)
     runner = EpisodeRunner.open(resolve_task(options.task), knowledge, proposers, options.seed, budget)
     try:
         yield runner

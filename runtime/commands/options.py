@@ -24,6 +24,4 @@ def add_state(parser: argparse.ArgumentParser) -> None:
 
 def add_budget(parser: argparse.ArgumentParser) -> None:
     """How many attempts the loop may make."""
-    parser.add_argument(
-        "--budget", type=int, default=8, metavar="B", help="attempts that the loop may make (default 8)"
-    )
+    parser.add_argument("--budget", type=int, metavar="B", help="attempts that the loop may make")

@@ -39,7 +39,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.format == "json":
         print_json(episode_summary(episode, schema))
     else:
-        sys.stdout.write(narrate(episode, schema) + "\n")
+        sys.stdout.write("\n".join(narrate(episode, schema)) + "\n")
     return CLEAN if episode.accepted else FINDINGS
 
 

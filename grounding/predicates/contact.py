@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from grounding.predicates.boxes import Box, box_distance
 from grounding.predicates.terms import Term
 from grounding.scenes import Scene
 
@@ -15,6 +16,7 @@ __all__ = ["Contact"]
 
 TINY = sys.float_info.min
 FAR = 100.0  # metres; LIBERO's rooms are smaller
+AGREE = 1e-6  # metres between two accounts of one distance
 
 
 class Contact:
@@ -43,6 +45,7 @@ class Contact:
         radii = bounds[self._pairs].sum(axis=1)
         unbounded = (bounds[self._pairs] == 0.0).any(axis=1)  # MuJoCo gives a plane no radius
         self._reach = np.where(unbounded, np.inf, radii)
+        self._witness = np.zeros(6)
 
     def __call__(self, data: mujoco.MjData) -> Term:
         """The term ``contact`` of a forwarded state."""
@@ -65,5 +68,23 @@ class Contact:
             if lower[index] >= best:
                 break
             first, second = self._pairs[index]
-            best = min(best, mujoco.mj_geomDistance(self._model, data, first, second, best, None))
+            best = min(best, self._distance(data, int(first), int(second), best))
         return best
+
+    def _distance(self, data: mujoco.MjData, first: int, second: int, limit: float) -> float:
+        """Distance of two geoms, or ``limit`` when it is larger.
+
+        ``mj_geomDistance`` now and then answers 0 for boxes that lie far apart (0.3 % of the pairs tried, MuJoCo
+        3.3.7). Its witness points then contradict it, and the distance of the bounding boxes is taken: exact for boxes.
+        """
+        found = mujoco.mj_geomDistance(self._model, data, first, second, limit, self._witness)
+        if found >= limit:
+            return limit
+        apart = float(np.linalg.norm(self._witness[3:] - self._witness[:3]))
+        if found > 0.0 and abs(apart - found) < AGREE:
+            return float(found)
+        return min(limit, box_distance(self._box(data, first), self._box(data, second)))
+
+    def _box(self, data: mujoco.MjData, geom: int) -> Box:
+        frame, local = data.geom_xmat[geom].reshape((3, 3)), self._model.geom_aabb[geom]
+        return data.geom_xpos[geom] + frame @ local[:3], frame, local[3:]

@@ -1,4 +1,9 @@
-"""Whether a fixture stands where the task's premise puts it: its origin above a region's rectangle."""
+"""Whether something stands where the task's premise puts it: its origin above a region's rectangle.
+
+In an initial state, ``On(thing, region of the table)`` tells LIBERO's sampler the rectangle in which to put the thing.
+The native predicate also asks that the origin lies in a band of height over the region, which fixtures meet (in all 130
+tasks of the five suites), but which an object may miss: it depends on where its asset has its origin.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +21,7 @@ __all__ = ["placed_in_region"]
 
 
 def placed_in_region(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG001  a factory's signature
-    """Ground a premise ``On(fixture, region)``: the x and y of its root body lie within the region, edges included."""
+    """Ground a premise ``On(thing, region)``: the x and y of its root body lie within the region, edges included."""
     name, region = two_names(fact)
     body, site = scene.root_body(name), scene.site(region)
     half_x, half_y, _ = scene.model.site_size[site].tolist()

@@ -60,7 +60,7 @@ def ask(store: Store, query: str, *, name: str = "", file: str = "") -> Answer:
         result = store.query(query, prefixes=PREFIXES, use_default_graph_as_union=True)
         columns, rows = _table(result)
     except SyntaxError as error:
-        raise OntoError(_syntax_problem(str(error), file)) from error
+        raise OntoError(_syntax_problem(str(error), query, file)) from error
     except (RuntimeError, ValueError, OSError) as error:
         raise OntoError.of("TRC004", f"the query cannot be evaluated: {error}", "", file) from error
     return Answer(name, _question(query), query, columns, rows)
@@ -77,16 +77,52 @@ def _table(result: Any) -> tuple[tuple[str, ...], tuple[tuple[Cell, ...], ...]]:
     return ("subject", "predicate", "object"), triples
 
 
-def _syntax_problem(text: str, file: str) -> Problem:
+def _syntax_problem(text: str, query: str, file: str) -> Problem:
     place = _PLACE.match(text)
     line, column = (int(place[1]), int(place[2])) if place else (0, 0)
     message = " ".join(_PLACE.sub("", text).split())
     if "Prefix not found" in message:
-        return Problem(file, line, column, "TRC004", "error", "a prefix is not declared", "add its PREFIX line")
+        prefix = _word(query, line, column).partition(":")[0]
+        hint = f"add a line `PREFIX {prefix}: <...>`"
+        return Problem(file, line, column, "TRC004", "error", f"the prefix `{prefix}:` is not declared", hint)
     if len(message) > _LONGEST:
         message = message[:_LONGEST].rsplit(",", 1)[0] + " ..."
     message = message.replace(", [_]", "").replace("[_]", "more text")
+    # Oxigraph often blames the end of the text for what went wrong before it.
+    if (line, column) > _end(query):
+        line, column, message = _second_opinion(query) or (*_end(query), message)
     return Problem(file, line, column, "TRC004", "error", f"not SPARQL: {message}", "see `onto trace query --help`")
+
+
+def _end(query: str) -> tuple[int, int]:
+    """Line and column of the last character that is no white space."""
+    lines = query.rstrip().splitlines() or [""]
+    return len(lines), max(len(lines[-1]), 1)
+
+
+def _word(query: str, line: int, column: int) -> str:
+    """The word of ``query`` that surrounds a place."""
+    text = query.splitlines()[line - 1]
+    start = max((text.rfind(mark, 0, column - 1) for mark in " \t{}()"), default=-1) + 1
+    return text[start:].split()[0] if text[start:].split() else ""
+
+
+def _second_opinion(query: str) -> tuple[int, int, str] | None:
+    """Where and why rdflib's parser rejects ``query``; None where it does not."""
+    from pyparsing import ParseException  # noqa: PLC0415 - only a faulty query needs it
+    from rdflib.plugins.sparql.parser import parseQuery  # noqa: PLC0415
+
+    try:
+        parseQuery(query)
+    except ParseException as error:
+        if (error.lineno, error.column) <= _end(query):
+            return (
+                error.lineno,
+                error.column,
+                f"what begins with `{_word(query, error.lineno, error.column)}` is not understood",
+            )
+        return *_end(query), "the query ends before it is complete"
+    return None
 
 
 def named_queries() -> dict[str, NamedQuery]:

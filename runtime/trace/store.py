@@ -229,7 +229,9 @@ def _open_folder(source: Path) -> Trace:
         # A file that a writer removes while we copy leaves an incomplete copy: then the next one is tried.
         with contextlib.suppress(OSError, RuntimeError, shutil.Error):
             shutil.copytree(source, copy.name, dirs_exist_ok=True)
-            return Trace(Store(copy.name), source, copy)
+            store = Store.read_only(copy.name)
+            # A store that somebody else filled lacks the ontology; only then must the copy be writable.
+            return Trace(store if holds_vocabulary(store) else Store(copy.name), source, copy)
         copy.cleanup()
     hint = "record it again, or give a dump that `onto trace export` wrote"
     raise OntoError.of("TRC003", f"`{source}` is not a readable store", hint)

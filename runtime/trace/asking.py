@@ -1,0 +1,190 @@
+"""What the subcommands of ``onto trace`` print."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import shutil
+import sys
+import textwrap
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from pyoxigraph import RdfFormat
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from onto_compiler.command import CLEAN, print_json
+from onto_compiler.compile_schema import load_schema
+from onto_compiler.problems import OntoError
+from runtime.summary import episode_summary
+from runtime.trace.find import find_episode
+from runtime.trace.narrate import narrate
+from runtime.trace.sparql import Answer, Cell, csv_rows, named_queries, named_query, plain, words
+from runtime.trace.store import Trace, dump
+
+__all__ = ["export", "listing", "query", "show"]
+
+_FORMATS = {"trig": RdfFormat.TRIG, "nquads": RdfFormat.N_QUADS, "jsonld": RdfFormat.JSON_LD}
+_WIDTH = 80
+_GAP = 3  # between two columns
+_EPISODES = """
+SELECT ?episode ?suite ?task ?state ?outcome (COUNT(?attempt) AS ?attempts) WHERE {
+    ?episode a trace:Episode ; trace:suite ?suite ; trace:task ?task ; trace:stateIndex ?state ; trace:outcome ?ended .
+    ?ended skos:notation ?outcome .
+    OPTIONAL { ?attempt trace:inEpisode ?episode }
+} GROUP BY ?episode ?suite ?task ?state ?outcome"""
+
+
+def query(options: argparse.Namespace, open_trace: Callable[[str | None], Trace]) -> int:
+    """Answer a query from a file, from standard input (``-``) or by its name."""
+    if options.list:
+        return _list_queries(options.format)
+    given = list(options.words)
+    if options.named:
+        known = named_query(options.named)
+        name, text, file = known.name, known.text, str(known.file)
+    elif given:
+        name, file = Path(given[0]).stem, given.pop(0)
+        text = _read(file)
+    else:
+        hint = f"name one of {', '.join(named_queries())} with --named, or give a FILE.rq"
+        raise OntoError.of("CLI002", "`onto trace query` needs a query", hint)
+    if len(given) > 1:
+        raise OntoError.of("CLI002", f"`{given[1]}` is one argument too many", "see `onto trace query --help`")
+    trace = open_trace(given[0] if given else None)
+    _print(trace.query(text, name=name, file=file), options.format)
+    return CLEAN
+
+
+def _read(file: str) -> str:
+    if file == "-":
+        return sys.stdin.read()
+    try:
+        return Path(file).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        hint = "give a file that holds a SPARQL query, or --named NAME; `onto trace query --list` lists the names"
+        raise OntoError.of("TRC004", f"the query cannot be read: {error}", hint, file) from error
+
+
+def _list_queries(shape: str) -> int:
+    known = named_queries().values()
+    if shape == "json":
+        print_json([{"name": query.name, "question": query.question} for query in known])
+    else:
+        _emit(("name", "question"), [(query.name, query.question) for query in known], shape)
+    return CLEAN
+
+
+def listing(trace: Trace, shape: str) -> int:
+    """One line per episode, numbered in the order that ``show`` counts."""
+    found = {plain(row[0]): row[1:] for row in trace.query(_EPISODES).rows}
+    columns = ("number", "suite", "task", "state", "outcome", "attempts")
+    numbered = [(number, *map(plain, found[iri])) for number, iri in enumerate(trace.episodes(), 1)]
+    if shape == "json":
+        print_json([dict(zip(columns, row, strict=True)) for row in numbered])
+    elif shape == "csv":
+        csv.writer(sys.stdout, lineterminator="\n").writerows([columns, *numbered])
+    else:
+        for number, suite, task, state, outcome, attempts in numbered:
+            tries = f"{attempts} attempt{'' if attempts == 1 else 's'}"
+            ended = str(outcome).replace("_", " ")
+            sys.stdout.write(f"{number:>4}  {task}\n      {suite}, state {state}: {ended}, {tries}\n")
+        _note(f"{len(numbered)} episode{'' if len(numbered) == 1 else 's'} in {trace.source}")
+    return CLEAN
+
+
+def show(trace: Trace, wanted: str, shape: str, ontology: Sequence[str]) -> int:
+    """One episode in sentences, or as the summary that ``onto demo --json`` prints."""
+    episode = trace.episode(find_episode(wanted, trace.episodes()))
+    schema = load_schema(*ontology)
+    if shape == "json":
+        print_json(episode_summary(episode, schema))
+        return CLEAN
+    width = min(shutil.get_terminal_size((_WIDTH, 24)).columns, 110)
+    for line in narrate(episode, schema):
+        body = line.lstrip()
+        indent = line[: len(line) - len(body)]
+        hanging = f"{indent}    "
+        wrapper = textwrap.TextWrapper(width, initial_indent=indent, subsequent_indent=hanging)
+        wrapper.break_long_words = wrapper.break_on_hyphens = False
+        sys.stdout.write(wrapper.fill(body) + "\n")
+    return CLEAN
+
+
+def export(trace: Trace, shape: str, output: str | None) -> int:
+    """The whole trace in another format, to a file or to standard output."""
+    data = dump(trace.store, _FORMATS[shape])
+    if output is None:
+        sys.stdout.write(data.decode("utf-8"))
+        return CLEAN
+    try:
+        Path(output).write_bytes(data)
+    except OSError as error:
+        hint = "name a file that you may write"
+        raise OntoError.of("TRC001", f"cannot write `{output}`: {error.strerror}", hint, output) from error
+    return CLEAN
+
+
+def _print(answer: Answer, shape: str) -> None:
+    if shape == "json":
+        print_json({"name": answer.name, "question": answer.question, "rows": answer.records()})
+    elif shape == "csv":
+        csv.writer(sys.stdout, lineterminator="\n").writerows(csv_rows(answer))
+    else:
+        if answer.question:
+            sys.stdout.write(answer.question + "\n")
+        _emit(answer.columns, [tuple(map(words, row)) for row in answer.rows], shape, _numeric(answer.rows))
+        _note(f"{len(answer.rows)} row{'' if len(answer.rows) == 1 else 's'}")
+
+
+def _numeric(rows: Sequence[tuple[Cell, ...]]) -> frozenset[int]:
+    """The columns that hold numbers only, which are aligned to the right."""
+    columns = list(zip(*rows, strict=True))
+    cells = [[plain(cell) for cell in column if cell is not None] for column in columns]
+    return frozenset(i for i, found in enumerate(cells) if found and all(type(v) in {int, float} for v in found))
+
+
+def _emit(
+    columns: Sequence[str], rows: Sequence[tuple[str, ...]], shape: str, right: frozenset[int] = frozenset()
+) -> None:
+    if shape == "csv":
+        csv.writer(sys.stdout, lineterminator="\n").writerows([columns, *rows])
+        return
+    width = _width(columns, rows)
+    if sum(_longest_word(cells) + _GAP for cells in zip(columns, *rows, strict=True)) > width:
+        _emit_records(columns, rows)
+        return
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for index, column in enumerate(columns):
+        table.add_column(column, justify="right" if index in right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*map(Text, row))
+    Console(file=sys.stdout, highlight=False, width=width).print(table)
+
+
+def _width(columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> int:
+    """The terminal's width; what is piped into another program is not wrapped, unless COLUMNS asks for it."""
+    console = Console(file=sys.stdout)
+    if console.is_terminal or "COLUMNS" in os.environ:
+        return console.width
+    return max(_WIDTH, sum(max(map(len, cells)) + _GAP for cells in zip(columns, *rows, strict=True)))
+
+
+def _longest_word(cells: Sequence[str]) -> int:
+    return max(len(word) for cell in cells for word in (cell.split() or [""]))
+
+
+def _emit_records(columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
+    """A row too wide for a table: one line per value."""
+    left = max(map(len, columns))
+    for row in rows:
+        lines = (f"{column:<{left}}  {cell}".rstrip() for column, cell in zip(columns, row, strict=True))
+        sys.stdout.write("\n".join(lines) + "\n\n")
+
+
+def _note(text: str) -> None:
+    sys.stderr.write(text + "\n")

@@ -1,0 +1,176 @@
+"""An episode in sentences: which fact was unmet, what it was diagnosed as, where it was sent and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import isnan
+
+from grounding.observation import Observation
+from onto_compiler.required import Fact
+from onto_compiler.schema import Schema, local_name
+from onto_compiler.tables import ABSENT, EXHAUSTED, EXPLICITLY_FALSE, MARGIN_VIOLATED, REPEAT, SATISFIED, STATUSES
+from runtime.diagnosis import evidence_status
+from runtime.records import Attempt, Diagnosis, Episode, RouteDecision, Verification
+
+__all__ = ["amount", "atom", "chain", "narrate", "outcome_sentence", "short_name", "unit_of"]
+
+_SYMBOLS = {"M": "m", "RAD": "rad", "N": "N"}
+_SOURCES = {"sim": "the simulator", "pred": "the world model"}
+_OUTCOMES = {
+    "retained": "The prediction satisfies every required fact and was retained; nothing was executed.",
+    "verified": "The native verifier accepted the state as it was.",
+    "accepted": "The native verifier accepted the corrected state.",
+    "unresolved": "The task stays unresolved: the attempts are spent, or no route had a further candidate.",
+    "grounding_verifier_disagreement": "Every required fact is grounded as satisfied, and the native verifier says no.",
+    "run_fault": "The run broke off; this says nothing about the task.",
+}
+_MODES = {
+    "none": "was only retained as a plan",
+    "state": "was written into the simulator's state",
+    "controller": "was executed through the controller",
+}
+
+
+def short_name(iri: str, schema: Schema) -> str:
+    """The notation of a term, or its local name."""
+    return schema.notations.get(iri, local_name(iri))
+
+
+def atom(fact: Fact, schema: Schema) -> str:
+    """``on(akita_black_bowl_1, plate_1)``, with ``not`` before it where the fact must not hold."""
+    text = f"{short_name(fact.predicate, schema)}({', '.join(argument.name for argument in fact.arguments)})"
+    return text if fact.polarity else f"not {text}"
+
+
+def unit_of(fact: Fact, schema: Schema) -> str:
+    """The symbol of the unit of the fact's margin (its threshold's, where the predicate has none), or nothing."""
+    signature = schema.predicates.get(fact.predicate)
+    unit = signature.margin_unit if signature else None
+    if unit is None:
+        types = {argument.type for argument in fact.arguments}
+        unit = next((t.unit for t in schema.thresholds.values() if t.iri in types), None)
+    return "" if unit is None else _SYMBOLS.get(local_name(unit), local_name(unit))
+
+
+def amount(margin: float, unit: str) -> str:
+    """A margin with its sign and unit: small lengths in millimetres, everything to three significant digits."""
+    if isnan(margin):
+        return "no margin"
+    if unit == "m":
+        return f"{margin * 1000:+.3g} mm" if abs(margin) < 1 else f"{margin:+.3g} m"
+    return f"{margin:+.3g} {unit}".rstrip()
+
+
+def outcome_sentence(outcome: str) -> str:
+    """What an outcome means."""
+    return _OUTCOMES[outcome]
+
+
+def narrate(episode: Episode, schema: Schema) -> Iterator[str]:
+    """The whole episode as lines of text; a line that begins with two spaces belongs to the one before it."""
+    yield f"{episode.task} ({episode.suite}, initial state {episode.state_index}, seed {episode.seed})"
+    if episode.required.language:
+        yield f"  Instruction: {episode.required.language}."
+    yield from _premise(episode, schema)
+    yield f"  The task requires {_listed([atom(fact, schema) for fact in episode.required.facts])}."
+    yield from _state("At the start", episode.required.facts, episode.initial, schema)
+    for attempt in episode.attempts:
+        yield f"Attempt {attempt.index + 1}"
+        yield from (f"  {sentence}" for sentence in chain(attempt, schema))
+    yield "Outcome"
+    yield f"  {outcome_sentence(episode.outcome)}"
+    if episode.verification is not None and not episode.attempts:
+        yield f"  {_verified(episode.verification)}"
+    yield from _state("At the end", episode.required.facts, episode.final, schema)
+
+
+def chain(attempt: Attempt, schema: Schema) -> Iterator[str]:
+    """One attempt as sentences: fact, diagnosis, route, application, verification."""
+    for diagnosis in attempt.diagnoses:
+        yield _found(diagnosis, schema)
+        rule = schema.labels.get(diagnosis.rule, local_name(diagnosis.rule))
+        failure = short_name(diagnosis.failure, schema)
+        yield f'Diagnosis: {failure}, by the rule "{rule}", priority {diagnosis.priority}.'
+    yield _routed(attempt.selected, schema, several=len(attempt.diagnoses) > 1)
+    if attempt.application is not None:
+        application, proposal = attempt.application, attempt.application.proposal
+        moved = f"{len(proposal.changed)} coordinate{'s' if len(proposal.changed) != 1 else ''} of qpos"
+        note = f" ({proposal.note})" if proposal.note else ""
+        offer = f"candidate {proposal.candidate + 1} of `{proposal.proposer}`{note}"
+        change = f"it changes {moved} by {application.displacement:.3g} in all"
+        yield f"Application: {offer} {_MODES[application.mode]}; {change}."
+    if attempt.fault:
+        yield f"Fault: {attempt.fault}."
+    if attempt.verification is not None:
+        yield _verified(attempt.verification)
+
+
+def _found(diagnosis: Diagnosis, schema: Schema) -> str:
+    fact = atom(diagnosis.fact, schema)
+    source = _SOURCES[diagnosis.source]
+    margin = amount(diagnosis.margin, unit_of(diagnosis.fact, schema))
+    limit = f", decided by {diagnosis.limit}" if diagnosis.limit else ""
+    match diagnosis.status:
+        case status if status == ABSENT:
+            return f"Fact: {source} has no evidence of {fact}."
+        case status if status == MARGIN_VIOLATED:
+            return f"Fact: {source} finds {fact}, but by less than required (margin {margin}{limit})."
+        case _:
+            return f"Fact: {source} finds {fact} unmet (margin {margin}{limit})."
+
+
+def _routed(decision: RouteDecision, schema: Schema, *, several: bool) -> str:
+    route, rule = short_name(decision.route, schema), schema.labels.get(decision.rule, local_name(decision.rule))
+    before = f"`{short_name(decision.previous, schema)}`" if decision.previous else "the previous route"
+    reason = ""
+    if decision.attempt_status == REPEAT:
+        reason = f" after {before} was rejected"
+    elif decision.attempt_status == EXHAUSTED:
+        reason = f" as {before} has no further candidate"
+    which = f" for {atom(decision.diagnosis.fact, schema)}" if several else ""
+    verb = local_name(decision.decision).lower()
+    return f'Route: {verb} to `{route}` ({decision.level} level){which}{reason}, by the rule "{rule}".'
+
+
+def _verified(verification: Verification) -> str:
+    verdict = "accepts" if verification.outcome else "rejects"
+    text = f"Verification: the native verifier {verdict} {verification.query}"
+    if verification.settled is None:
+        return f"{text}."
+    settled = "still does" if verification.settled else "no longer does"
+    return f"{text}, and {settled} after {verification.settle_steps} steps of settling."
+
+
+def _premise(episode: Episode, schema: Schema) -> Iterator[str]:
+    declared = episode.required.premise
+    if not declared:
+        return
+    broken = [
+        f"{atom(fact, schema)} ({amount(float(margin), unit_of(fact, schema))})"
+        for fact, status, margin in zip(
+            declared, evidence_status(declared, episode.premise), episode.premise.margin, strict=True
+        )
+        if STATUSES[status] != SATISFIED
+    ]
+    if broken:
+        yield f"  Of its {len(declared)} declared initial facts, these do not hold: {_listed(broken)}."
+    else:
+        yield f"  Its declared initial fact{'s hold' if len(declared) > 1 else ' holds'}."
+
+
+def _state(when: str, facts: Sequence[Fact], observation: Observation, schema: Schema) -> Iterator[str]:
+    words = {
+        SATISFIED: "holds",
+        ABSENT: "is not observed",
+        EXPLICITLY_FALSE: "is unmet",
+        MARGIN_VIOLATED: "is too close",
+    }
+    for index, code in enumerate(evidence_status(facts, observation)):
+        fact = facts[index]
+        margin = float(observation.margin[index])
+        measured = "" if isnan(margin) else f" (margin {amount(margin, unit_of(fact, schema))})"
+        yield f"  {when}, {atom(fact, schema)} {words[STATUSES[code]]}{measured}."
+
+
+def _listed(items: Sequence[str]) -> str:
+    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"

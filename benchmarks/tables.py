@@ -1,0 +1,126 @@
+"""Tables in README.md and docs/results.md, generated from ``results/*.json`` between markers; ``--check`` only compares.
+
+A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``; NAME is a function of :data:`TABLES`.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from benchmarks.results import RESULTS, read_result
+from benchmarks.state_repair import METHODS, SUITES
+
+__all__ = ["TABLES", "fill", "main"]
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGES = ("README.md", "docs/results.md")
+_BLOCK = re.compile(r"(<!-- table: (?P<name>[\w.-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def demo(result: dict[str, Any]) -> str:
+    """One line per task of the demo."""
+    lines = [_row("task", "unmet fact", "margin", "failure", "route", "attempts", "settled"), _row(*["---"] * 7)]
+    for row in result["rows"]:
+        for number, found in enumerate(row["diagnoses"]):
+            fact = f"`{found['predicate']}({', '.join(found['arguments'])})`"
+            margin = "—" if found["margin"] is None else f"{found['margin']:+.3f} {found['unit']}"
+            first = number == 0
+            lines.append(
+                _row(
+                    row["task"].replace("_", " ") if first else "",
+                    fact,
+                    margin,
+                    f"`{found['failure']}`",
+                    f"`{found['route']}`",
+                    str(row["attempts"]) if first else "",
+                    ("yes" if row["settled"] else "no") if first else "",
+                )
+            )
+    m = result["metrics"]
+    total = (
+        f"{m['accepted']} of {m['tasks']} accepted by the native predicate ({m['initially_true']} before any correction), "
+        f"{m['settled']} still true after 20 control steps, {m['wall_s']:.0f} s. Mode `state`, privileged simulator state."
+    )
+    return "\n".join([*lines, "", total, "", _origin(result)])
+
+
+def state_repair(result: dict[str, Any]) -> str:
+    """One line per suite and method."""
+    lines = [
+        _row("suite", "routes", "episodes", "accepted [95 %]", "settled [95 %]", "one attempt per fact", "attempts"),
+        _row(*["---"] * 7),
+    ]
+    m = result["metrics"]
+    for suite in (*SUITES, "all"):
+        for method in METHODS:
+            name = f"{method}.{suite}"
+            lines.append(
+                _row(
+                    f"`{suite}`" if suite != "all" else "all",
+                    {"typed": "by rule", "random_route": "at random"}[method],
+                    str(m[f"{name}.n"]),
+                    _rate(m, f"{name}.accepted"),
+                    _rate(m, f"{name}.settled"),
+                    f"{m[f'{name}.one_attempt_per_fact']:.3f}",
+                    f"{m[f'{name}.attempts']:.2f}",
+                )
+            )
+    share = m["typed.all.initially_true"]
+    note = f"Without a correction the native predicate holds in {share:.1%} of the episodes; {m['crashed']} crashed."
+    return "\n".join([*lines, "", note, "", _origin(result)])
+
+
+TABLES: dict[str, Callable[[dict[str, Any]], str]] = {"demo": demo, "state_repair": state_repair}
+
+
+def _rate(metrics: dict[str, float], name: str) -> str:
+    return f"{metrics[name]:.3f} [{metrics[f'{name}.low']:.3f}, {metrics[f'{name}.high']:.3f}]"
+
+
+def _row(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _origin(result: dict[str, Any]) -> str:
+    machine = result["machine"]
+    versions = ", ".join(f"{name} {number}" for name, number in machine["versions"].items())
+    return (
+        f"Made by `{result['command']}` at commit `{result['commit'][:12]}` on {result['date'][:10]}, seed "
+        f"{', '.join(map(str, result['seeds']))}; {machine['cpu']}, {machine['cores']} cores; {versions}."
+    )
+
+
+def fill(text: str) -> str:
+    """``text`` with every table that has a result made anew."""
+
+    def table(match: re.Match[str]) -> str:
+        path = RESULTS / f"{match['name']}.json"
+        body = TABLES[match["name"]](read_result(path)) if path.exists() else "Not measured yet."
+        return f"{match[1]}{body}\n{match[3]}"
+
+    return _BLOCK.sub(table, text)
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Rewrite the pages, or with ``--check`` say which are stale."""
+    stale = []
+    for name in PAGES:
+        path = ROOT / name
+        before = path.read_text(encoding="utf-8")
+        after = fill(before)
+        if after != before:
+            stale.append(name)
+            if "--check" not in arguments:
+                path.write_text(after, encoding="utf-8")
+    if "--check" in arguments and stale:
+        sys.stderr.write(f"stale: {', '.join(stale)}; run `make docs`\n")
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,4 +1,4 @@
-"""Tables in README.md and docs/results.md, generated from ``results/*.json`` between markers; ``--check`` only compares.
+"""Tables in README.md and docs/results.md, made from ``results/*.json``; with ``--check`` they are only compared.
 
 A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``; NAME is a function of :data:`TABLES`.
 """
@@ -42,8 +42,9 @@ def demo(result: dict[str, Any]) -> str:
             )
     m = result["metrics"]
     total = (
-        f"{m['accepted']} of {m['tasks']} accepted by the native predicate ({m['initially_true']} before any correction), "
-        f"{m['settled']} still true after 20 control steps, {m['wall_s']:.0f} s. Mode `state`, privileged simulator state."
+        f"{m['accepted']} of {m['tasks']} accepted by the native predicate ({m['initially_true']} before any "
+        f"correction), {m['settled']} still true after 20 control steps, {m['wall_s']:.0f} s in all. Mode `state`; "
+        "the proposers see privileged simulator state."
     )
     return "\n".join([*lines, "", total, "", _origin(result)])
 

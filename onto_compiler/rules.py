@@ -72,7 +72,7 @@ def apply_rules(
     ``focus`` restricts the nodes that may fire; by default all instances of each rule's target class do.
 
     Raises:
-        OntoError: RUL001, where a rule is not a SPARQL CONSTRUCT query.
+        OntoError: RUN001, where a rule is not a SPARQL CONSTRUCT query.
     """
     allowed = None if focus is None else set(focus)
     concluded: list[Triple] = []
@@ -103,4 +103,4 @@ def _construct(store: Store, rule: Rule, focus: Sequence[NamedNode]) -> list[Tri
     try:
         return list(cast("QueryTriples", store.query(query, use_default_graph_as_union=True)))
     except SyntaxError as error:
-        raise OntoError.of("RUL001", f"rule {rule.iri} is no SPARQL CONSTRUCT query: {error}") from error
+        raise OntoError.of("RUN001", f"rule {rule.iri} is no SPARQL CONSTRUCT query: {error}") from error

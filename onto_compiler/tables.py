@@ -87,7 +87,7 @@ def compile_tables(store: Store, schema: Schema) -> RuleTables:
     """Run the rules of ``store`` over every combination that ``schema`` allows; ``store`` itself stays as it is.
 
     Raises:
-        OntoError: RUL002, where two rules conclude different things of the same combination.
+        OntoError: RUN002, where two rules conclude different things of the same combination.
     """
     scratch = Store()
     scratch.extend(iter(store))
@@ -157,5 +157,5 @@ def _put(table: dict[Key, Entry], key: Key, entry: Entry) -> None:
     earlier = table.setdefault(key, entry)
     if earlier != entry:
         raise OntoError.of(
-            "RUL002", f"rules disagree on {key}: {earlier} and {entry}", "let the two rules exclude each other"
+            "RUN002", f"rules disagree on {key}: {earlier} and {entry}", "let the two rules exclude each other"
         )

@@ -47,7 +47,7 @@ def diagnose(facts: Sequence[Fact], observation: Observation, tables: RuleTables
     """One record for each unsatisfied fact, in the order of the required ABox.
 
     Raises:
-        OntoError: RUL003, where no diagnosis rule speaks of an unsatisfied fact.
+        OntoError: RUN003, where no diagnosis rule speaks of an unsatisfied fact.
     """
     found = []
     for index, code in enumerate(evidence_status(facts, observation)):
@@ -58,7 +58,7 @@ def diagnose(facts: Sequence[Fact], observation: Observation, tables: RuleTables
         entry = tables.diagnosis.get((fact.predicate, fact.polarity, status))
         if entry is None:
             raise OntoError.of(
-                "RUL003",
+                "RUN003",
                 f"no diagnosis rule speaks of `{fact}` with status `{local_name(status)}`",
                 f"add a rule for the kind of predicate that `{local_name(fact.predicate)}` is",
             )

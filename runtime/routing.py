@@ -17,13 +17,13 @@ def route(
     """The route for ``diagnosis``, given the attempt ``status`` and the route that was tried ``previous``ly.
 
     Raises:
-        OntoError: RTE001, where no routing rule speaks of the combination.
+        OntoError: RUN004, where no routing rule speaks of the combination.
     """
     entry = knowledge.tables.routing.get((diagnosis.fact.predicate, diagnosis.failure, status, previous))
     if entry is None:
         where = f" after route `{local_name(previous)}`" if previous else ""
         raise OntoError.of(
-            "RTE001",
+            "RUN004",
             f"no route for `{local_name(diagnosis.failure)}` of `{diagnosis.fact}` ({local_name(status)}{where})",
             "declare a core:CorrectionRoute that admits the failure and supports the predicate's kind",
         )

@@ -169,7 +169,7 @@ CONSTRUCT {{ $this <{CORE}failureClass> <{MAN}RackContact> ; <{CORE}diagnosedBy>
 WHERE {{ $this <{CORE}fact>/<{CORE}predicate> <{MAN}on> ; <{CORE}status> <{CORE}Absent> }}''' .
 """)
     store = load_store([rule])
-    with pytest.raises(OntoError, match="RUL002"):
+    with pytest.raises(OntoError, match="RUN002"):
         compile_tables(store, load_knowledge().schema)
 
 

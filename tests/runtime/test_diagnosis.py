@@ -76,14 +76,14 @@ def test_selection_follows_priority_then_the_order_of_the_task():
 
 
 def test_a_status_that_no_rule_speaks_of_is_reported():
-    with pytest.raises(OntoError, match="RUL003"):
+    with pytest.raises(OntoError, match="RUN003"):
         diagnose([fact()], stack("sim", 0, [None]), RuleTables({}, {}))
 
 
 def test_a_failure_without_a_route_is_reported():
     knowledge = load_knowledge()
     (found,) = diagnose([fact()], stack("sim", 0, [None]), knowledge.tables)
-    with pytest.raises(OntoError, match="RTE001"):
+    with pytest.raises(OntoError, match="RUN004"):
         route(found, Knowledge(knowledge.schema, RuleTables(knowledge.tables.diagnosis, {})))
 
 

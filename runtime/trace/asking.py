@@ -26,7 +26,7 @@ from runtime.trace.narrate import narrate
 from runtime.trace.sparql import Answer, Cell, csv_rows, named_queries, named_query, plain, words
 from runtime.trace.store import Trace, dump
 
-__all__ = ["export", "listing", "query", "show"]
+__all__ = ["export", "listing", "print_answer", "query", "show"]
 
 _FORMATS = {"trig": RdfFormat.TRIG, "nquads": RdfFormat.N_QUADS, "jsonld": RdfFormat.JSON_LD}
 _WIDTH = 80
@@ -56,7 +56,7 @@ def query(options: argparse.Namespace, open_trace: Callable[[str | None], Trace]
     if len(given) > 1:
         raise OntoError.of("CLI002", f"`{given[1]}` is one argument too many", "see `onto trace query --help`")
     trace = open_trace(given[0] if given else None)
-    _print(trace.query(text, name=name, file=file), options.format)
+    print_answer(trace.query(text, name=name, file=file), options.format)
     return CLEAN
 
 
@@ -129,7 +129,8 @@ def export(trace: Trace, shape: str, output: str | None) -> int:
     return CLEAN
 
 
-def _print(answer: Answer, shape: str) -> None:
+def print_answer(answer: Answer, shape: str) -> None:
+    """Print an answer as a table, as ``json`` or as ``csv``."""
     if shape == "json":
         print_json({"name": answer.name, "question": answer.question, "rows": answer.records()})
     elif shape == "csv":

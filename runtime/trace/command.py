@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from onto_compiler.command import Command
+from onto_compiler.command import Command, add_ontology
 
 if TYPE_CHECKING:
     from runtime.trace.store import Trace
@@ -41,8 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     export.add_argument("--format", choices=("trig", "nquads", "jsonld"), default="trig", help="what to write")
     export.add_argument("--output", metavar="FILE", help="where to write it; left out: standard output")
     for action in (query, listing, show, export):
-        help_text = "Turtle files or folders that extend the ontology"
-        action.add_argument("--ontology", nargs="+", default=[], metavar="PATH", help=help_text)
+        add_ontology(action)
 
 
 def _add_format(parser: argparse.ArgumentParser, *choices: str) -> None:

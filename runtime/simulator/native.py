@@ -53,7 +53,7 @@ class NativeTask:
                 )
                 self._control.seed(seed)
                 self._control.reset()
-            except (AssertionError, KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
+            except Exception as error:  # LIBERO has no exceptions of its own: a bad file may raise any
                 message = f"LIBERO cannot build this task: {type(error).__name__} {error}"
                 raise OntoError.of("SIM016", message, "check the task with `onto check` first", str(bddl)) from error
             finally:
@@ -147,7 +147,7 @@ class NativeTask:
                 raise OntoError.of("SIM015", f"LIBERO keeps no state for `{name}` in `{atom}`", near(name, known))
         try:
             return bool(self.env._eval_predicate([predicate, *atom.arguments]))  # noqa: SLF001  the only way in
-        except (AttributeError, TypeError, ValueError, NotImplementedError) as error:
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError, NotImplementedError) as error:
             raise OntoError.of("SIM015", f"LIBERO does not define `{atom}`: {error}") from error
 
     def write_qpos(self, qpos: ArrayLike, *, still: bool = True) -> None:

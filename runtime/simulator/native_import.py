@@ -11,6 +11,7 @@ import os
 import shutil
 import sys
 import tempfile
+import types
 import warnings
 from collections.abc import Iterator
 from functools import cache
@@ -39,12 +40,33 @@ def control_env() -> Any:  # noqa: ANN401  a class of an untyped package
         folder = tempfile.mkdtemp(prefix="onto-evwm-libero-")
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
         os.environ["LIBERO_CONFIG_PATH"] = folder
+    _spare_opencv()
     with quiet(), _answering("n\n"):
         try:
             return importlib.import_module("libero.libero.envs.env_wrapper").ControlEnv
         except (ImportError, EOFError, OSError, RuntimeError) as error:
             message = f"LIBERO is installed but cannot be imported: {error}"
             raise OntoError.of("SIM010", message, 'install what it needs: pip install "onto-evwm[sim]"') from error
+
+
+def _spare_opencv() -> None:
+    """Go on without OpenCV where it lacks a system library (libGL): robosuite needs it for windows, and none opens.
+
+    Whoever then asks it for a picture is told what to install.
+    """
+    try:
+        importlib.import_module("cv2")
+    except ImportError as error:
+        reason = f"OpenCV cannot be loaded ({error}); for pictures: apt-get install libgl1 libegl-mesa0"
+
+        def missing(name: str) -> Any:  # noqa: ANN401  whatever the caller wanted
+            if name.startswith("__"):
+                raise AttributeError(name)
+            raise ImportError(reason)
+
+        module = types.ModuleType("cv2", "Stands in for OpenCV, which cannot be loaded here.")
+        module.__getattr__ = missing  # type: ignore[method-assign]
+        sys.modules["cv2"] = module
 
 
 def predicate_names() -> tuple[str, ...]:

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Candidate", "holds", "offer", "ranked"]
 
+_SAME_DECIMALS = 6  # states that agree so far are one candidate
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
@@ -54,9 +56,14 @@ def ranked(request: Request, batches: Iterable[Sequence[Candidate]]) -> Iterator
     kept = [i for i, fact in enumerate(facts) if i != request.diagnosis.index and holds(before, i, fact)]
     waiting: list[tuple[int, int, float, int, Candidate]] = []
     count = itertools.count()
+    known: set[bytes] = set()
     for batch in batches:
         ready: list[tuple[int, int, float, int, Candidate]] = []
         for candidate in batch:
+            state = np.round(candidate.qpos, _SAME_DECIMALS).tobytes()
+            if state in known:
+                continue
+            known.add(state)
             seen = request.observe(candidate.qpos)
             if not holds(seen, request.diagnosis.index, request.diagnosis.fact):
                 continue

@@ -6,7 +6,6 @@ Quaternions are MuJoCo's ``wxyz``; lengths are metres, angles radians; rotation 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
@@ -158,17 +157,18 @@ class Support:
     friction: Array
 
 
-def _wrenches(support: Support, centre: Array, length: float) -> Iterator[Array]:
-    """Unit wrenches (6,) of the edges of each contact's friction pyramid, torques in units of ``length``."""
-    for point, normal, mu in zip(support.points, support.normals, support.friction, strict=True):
-        helper = np.eye(3)[int(np.argmin(np.abs(normal)))]
-        side = np.cross(normal, helper)
-        side /= np.linalg.norm(side)
-        other = np.cross(normal, side)
-        for tangent in (side, -side, other, -other):
-            force = normal + mu * tangent
-            force = force / np.linalg.norm(force)
-            yield np.concatenate([force, np.cross(point - centre, force) / length])
+def _wrenches(support: Support, centre: Array, length: float) -> Array:
+    """Unit wrenches (6, 4 n) of the edges of each contact's friction pyramid, torques in units of ``length``."""
+    normals = support.normals
+    helper = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
+    side = np.cross(normals, helper)
+    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    other = np.cross(normals, side)
+    grip = support.friction[:, None]
+    forces = np.concatenate([normals + grip * tangent for tangent in (side, -side, other, -other)])
+    forces /= np.linalg.norm(forces, axis=1, keepdims=True)
+    arms = np.tile(support.points - centre, (4, 1)) / length
+    return np.concatenate([forces, np.cross(arms, forces)], axis=1).T
 
 
 def balance(support: Support, centre: Array, length: float, lean: float = 0.0) -> float:
@@ -183,6 +183,6 @@ def balance(support: Support, centre: Array, length: float, lean: float = 0.0) -
     weight = np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
     worst = 0.0
     for dx, dy in shifts:
-        edges = np.array(list(_wrenches(support, centre + np.array([dx, dy, 0.0]), length)))
-        worst = max(worst, nonnegative_least_squares(edges.T, weight)[1])
+        edges = _wrenches(support, centre + np.array([dx, dy, 0.0]), length)
+        worst = max(worst, nonnegative_least_squares(edges, weight)[1])
     return worst

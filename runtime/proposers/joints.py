@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SINK_M", "end_values", "moved", "side_values"]
 
-SINK_M = 5e-4  # the deepest that something may sink into something else, half of what a test of a proposal allows
+SINK_M = 9e-4  # the deepest true overlap that a proposal may cause
 _DEPTHS = (0.5, 0.3, 0.7, 0.85, 0.15)  # how far into the satisfied side, as a fraction of it
 _UNLIMITED = 0.5  # width (rad or m) taken for a side that the joint's range does not end
 _INSET = 0.02  # of the range: a joint at its very limit is pushed back by the limit's constraint
@@ -54,7 +54,8 @@ def end_values(limits: tuple[float, float], present: float) -> tuple[float, ...]
 def moved(clearance: Clearance, joint: int, value: float) -> tuple[Array, tuple[str, ...], float]:
     """The starting state with ``joint`` at ``value`` and what rests on its body carried along.
 
-    Returns ``qpos`` (nq,), the names of the carried entities and the deepest penetration (m) that the move causes.
+    Returns ``qpos`` (nq,), the names of the carried entities and the deepest overlap (m) with anything but the fixture
+    that the joint belongs to.
     """
     scene, model, data = clearance.scene, clearance.model, clearance.data
     body = int(model.jnt_bodyid[joint])
@@ -78,4 +79,5 @@ def moved(clearance: Clearance, joint: int, value: float) -> tuple[Array, tuple[
         )
         bodies += scene.bodies(entity).tolist()
     clearance.place(qpos)
-    return qpos, carried, clearance.depth(clearance.geom_mask(bodies))
+    whole = clearance.geom_mask(clearance.subtree(int(model.body_rootid[body])))
+    return qpos, carried, clearance.overlap(clearance.geom_mask(bodies), whole)

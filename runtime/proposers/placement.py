@@ -10,6 +10,7 @@ import numpy as np
 from runtime.proposers.candidates import Candidate
 from runtime.proposers.clearance import Clearance
 from runtime.proposers.geometry import extent, level, matrix_of, quaternion_of, yaw_matrix
+from runtime.proposers.joints import SINK_M
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -69,29 +70,28 @@ def rest_orientations(scene: Scene, qpos: Array, entity: str) -> list[Array]:
     return found
 
 
-def drop(clearance: Clearance, entity: str, pose: Pose, window: Window, flaws: int = 0) -> Iterator[Candidate]:
-    """Lower ``entity`` at ``pose`` and yield each height in ``window`` at which it comes to touch something.
+def drop(mover: Mover, pose: Pose, window: Window, flaws: int = 0) -> Iterator[Candidate]:
+    """Lower ``mover``'s entity at ``pose`` and yield each height in ``window`` at which it comes to touch something.
 
     The entity sinks in by ``TOUCH_M`` at most. A resting pose that gravity would tip has the flaw ``UNBALANCED``
     besides the ``flaws`` that the caller knows of.
     """
-    mover = Mover(clearance, entity)
-    below = mover.below(pose)
-    top, bottom = window.roof + below + _STEP_M, window.low - _STEP_M
+    mover.aim(pose)
+    top, bottom = window.roof + mover.below() + _STEP_M, window.low - _STEP_M
     previous = None
     for height in np.linspace(top, bottom, max(int(np.ceil((top - bottom) / _STEP_M)) + 1, 2)):
-        hit = mover.depth(pose, height) > TOUCH_M
+        hit = mover.depth(height) > TOUCH_M
         if hit and previous is not None and height <= window.high:
-            touch = _bisect(mover, pose, previous, float(height))
-            if window.low <= touch <= window.high:
-                yield mover.candidate(pose, touch, flaws)
+            touch = _bisect(mover, previous, float(height))
+            if window.low <= touch <= window.high and mover.fits(touch):
+                yield mover.candidate(touch, flaws)
         previous = None if hit else float(height)
 
 
-def _bisect(mover: Mover, pose: Pose, clear: float, hit: float) -> float:
+def _bisect(mover: Mover, clear: float, hit: float) -> float:
     while clear - hit > _RESOLUTION_M:
         middle = (clear + hit) / 2
-        if mover.depth(pose, middle) > TOUCH_M:
+        if mover.depth(middle) > TOUCH_M:
             hit = middle
         else:
             clear = middle
@@ -111,34 +111,46 @@ class Mover:
         self.moving = clearance.geom_mask(b for e in (entity, *riders) for b in scene.bodies(e).tolist())
         first = clearance.start[self.slices[0]]
         self.home, self.home_matrix = first[:3].copy(), matrix_of(first[3:])
+        self.aim(Pose(float(self.home[0]), float(self.home[1]), self.home_matrix, "as it is"))
 
-    def write(self, pose: Pose, height: float) -> None:
-        """Put the entity's origin at ``pose`` and ``height`` (m) in the scratch state."""
-        data, start = self.clearance.data, self.clearance.start
-        target = np.array([pose.x, pose.y, height])
+    def aim(self, pose: Pose) -> None:
+        """Take up ``pose``; the methods below say at which height."""
         turn = pose.matrix @ self.home_matrix.T
-        data.qpos[:] = start
+        target = np.array([pose.x, pose.y, 0.0])
+        self.pose, self._aimed = pose, self.clearance.start.copy()
         for where in self.slices:
-            old = start[where]
-            data.qpos[where] = np.concatenate(
+            old = self.clearance.start[where]
+            self._aimed[where] = np.concatenate(
                 [target + turn @ (old[:3] - self.home), quaternion_of(turn @ matrix_of(old[3:]))]
             )
+
+    def write(self, height: float) -> None:
+        """Put the entity's origin at ``height`` (m) in the scratch state."""
+        data = self.clearance.data
+        data.qpos[:] = self._aimed
+        for where in self.slices:
+            data.qpos[where.start + 2] += height
         self.clearance.refresh()
 
-    def depth(self, pose: Pose, height: float) -> float:
+    def depth(self, height: float) -> float:
         """How deep (m) the entity or what it carries sinks into anything else there; ``-inf`` without a contact."""
-        self.write(pose, height)
+        self.write(height)
         return self.clearance.depth(self.moving)
 
-    def below(self, pose: Pose) -> float:
-        """How far the entity reaches below its origin at ``pose``."""
-        self.write(pose, float(self.home[2]))
+    def fits(self, height: float) -> bool:
+        """Whether nothing is truly overlapped there by more than ``SINK_M``."""
+        self.write(height)
+        return self.clearance.overlap(self.moving) <= SINK_M
+
+    def below(self) -> float:
+        """How far the entity reaches below its origin."""
+        self.write(float(self.home[2]))
         low, _ = extent(self.clearance.model, self.clearance.data, self.clearance.scene.contact_geoms(self.entity))
         return float(self.home[2] - low[2])
 
-    def candidate(self, pose: Pose, height: float, flaws: int) -> Candidate:
+    def candidate(self, height: float, flaws: int) -> Candidate:
         """The state with the entity there, ranked by how far it can lean."""
-        self.write(pose, height)
+        self.write(height)
         lean = self.clearance.steadiness(self.entity, self.moving)
-        note = pose.note if not self.riders else f"{pose.note}, carrying {', '.join(self.riders)}"
+        note = self.pose.note if not self.riders else f"{self.pose.note}, carrying {', '.join(self.riders)}"
         return Candidate(self.clearance.data.qpos.copy(), note, flaws + (UNBALANCED if lean < _STEADY_M else 0), -lean)

@@ -11,7 +11,7 @@ import numpy as np
 from runtime.proposers.clearance import Clearance
 from runtime.proposers.geometry import align_yaw, extent
 from runtime.proposers.joints import SINK_M, end_values, moved
-from runtime.proposers.placement import ENCLOSED, Pose, Window, drop, rest_orientations, yaws
+from runtime.proposers.placement import ENCLOSED, Mover, Pose, Window, drop, rest_orientations, yaws
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 __all__ = ["landing_batches", "site_window"]
 
-_QUARTERS = tuple(np.radians((0.0, 90.0, 180.0, 270.0)))
-_EIGHTHS = (*_QUARTERS, *np.radians((45.0, 135.0, 225.0, 315.0)))
-_FRACTIONS = (0.0, -0.2, 0.2, -0.4, 0.4, -0.6, 0.6, -0.8, 0.8)  # of a region's half size
+_EIGHTHS = tuple(np.radians((0.0, 90.0, 180.0, 270.0, 45.0, 135.0, 225.0, 315.0)))
+_COARSE, _FINE = (0.0, -0.4, 0.4, -0.8, 0.8), (-0.2, 0.0, 0.2)  # of a region's half size
+_SECONDARY = 9  # offsets at which orientations other than the first are tried
 _SLOT = 0.6  # of a region's half size: how far from its centre the outermost of several objects are put
 _RING_M = (0.008, 0.016, 0.024)  # offsets from a landmark's origin, inside the 3 cm of LIBERO's On(object, object)
 _UNDER_LOW, _UNDER_HIGH, _IN_LOW = -0.005, 0.10, -0.01  # m; libero/envs/objects/site_object.py, under and in_box
@@ -81,18 +81,19 @@ def _landings(
     frame = _frame(clearance, place)
     lids = _lids(clearance, place)
     flaws = ENCLOSED if covered else 0
-    for orientation in rest_orientations(clearance.scene, clearance.start, place.subject):
-        aligned = align_yaw(orientation, frame)
-        turns = (*(aligned + q for q in _QUARTERS), *_EIGHTHS) if place.contains else _EIGHTHS
-        for x, y, offset in _offsets(clearance, place, slot):
+    offsets = list(_offsets(clearance, place, slot))
+    mover = Mover(clearance, place.subject)
+    for number, orientation in enumerate(rest_orientations(clearance.scene, clearance.start, place.subject)):
+        aligned = align_yaw(orientation, frame) if place.contains else 0.0
+        turns = [aligned + eighth for eighth in _EIGHTHS]
+        for x, y, offset in offsets[: _SECONDARY if number else None]:
             if covered is not None and covered != any(lid.covers(x, y) for lid in lids):
                 continue
             yield [
                 landing
                 for matrix, angle in yaws(orientation, turns)
                 for landing in drop(
-                    clearance,
-                    place.subject,
+                    mover,
                     Pose(x, y, matrix, f"{offset}, turned {np.degrees(angle):.0f} deg"),
                     window,
                     flaws,
@@ -183,9 +184,7 @@ def _offsets(clearance: Clearance, place: Place, slot: tuple[int, int]) -> Itera
     wanted = np.zeros(2)
     if count > 1:
         wanted[axis] = _SLOT * (2.0 * number / (count - 1) - 1.0)
-    grid = [np.array(f) for f in itertools.product(_FRACTIONS, repeat=2)]
-    if count > 1:
-        grid.append(wanted)
-    for fraction in sorted(grid, key=lambda f: float(np.linalg.norm(f - wanted))):
-        x, y = centre[:2] + fraction * half
+    grid = {tuple(wanted), *itertools.product(_COARSE, repeat=2), *itertools.product(_FINE, repeat=2)}
+    for fraction in sorted(grid, key=lambda f: (round(float(np.linalg.norm(f - wanted)), 6), f)):
+        x, y = centre[:2] + np.array(fraction) * half
         yield float(x), float(y), f"offset ({fraction[0]:.2f}, {fraction[1]:.2f}) of {place.site}"

@@ -15,7 +15,7 @@ import numpy as np
 from runtime.proposers.candidates import Candidate, offer, ranked
 from runtime.proposers.clearance import Clearance
 from runtime.proposers.geometry import cube_rotations
-from runtime.proposers.placement import Pose, drop
+from runtime.proposers.placement import Mover, Pose, drop
 from runtime.proposers.poses import site_window
 from runtime.proposers.targets import Place, place_of
 
@@ -63,13 +63,13 @@ class HeuristicRackContact:
 def _batches(clearance: Clearance, place: Place, rack: str, site: str) -> Iterator[list[Candidate]]:
     window = site_window(clearance, place)
     frames = _frames(clearance, rack, site)
+    mover = Mover(clearance, place.subject)
     for x, y, offset in _points(clearance, site):
         yield [
             landing
             for (kind, frame), (number, cube) in itertools.product(frames, enumerate(cube_rotations()))
             for landing in drop(
-                clearance,
-                place.subject,
+                mover,
                 Pose(x, y, frame @ cube, f"{offset}, axes along {kind}, face {number}"),
                 window,
             )

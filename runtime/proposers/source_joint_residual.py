@@ -14,7 +14,7 @@ import numpy as np
 
 from runtime.proposers.candidates import Candidate, offer, ranked
 from runtime.proposers.clearance import Clearance
-from runtime.proposers.geometry import matrix_of, yaw_matrix
+from runtime.proposers.geometry import yaw_matrix
 from runtime.proposers.joints import SINK_M, moved
 from runtime.proposers.placement import Mover, Pose, drop, rest_orientations
 from runtime.proposers.poses import site_window
@@ -136,16 +136,16 @@ def _poses(request: Request, place: Place) -> Iterable[Candidate]:
     window = site_window(clearance, place)
     mover = Mover(clearance, place.subject)
     upright = rest_orientations(request.scene, request.qpos, place.subject)[0]
-    home = matrix_of(request.qpos[mover.slices[0]][3:])
     visited: list[Candidate] = []
 
     def value(point: Array) -> float:
         x, y = mover.home[:2] + point[:2]
         turn = yaw_matrix(point[2] / _LEVER_M)
         note = f"shifted by ({point[0]:.4f}, {point[1]:.4f}) m, turned {np.degrees(point[2] / _LEVER_M):.0f} deg"
-        landings = list(drop(clearance, place.subject, Pose(x, y, turn @ upright, note), window))
+        landings = list(drop(mover, Pose(x, y, turn @ upright, note), window))
         visited.extend(landings)
-        mover.write(Pose(x, y, turn @ home, note), float(mover.home[2]))
+        mover.aim(Pose(x, y, turn @ mover.home_matrix, note))
+        mover.write(float(mover.home[2]))
         hovering = clearance.data.qpos.copy()  # where nothing is within reach below, the margin still shows the way
         return max(_score(request, qpos) for qpos in (hovering, *(c.qpos for c in landings)))
 

@@ -12,9 +12,8 @@ from typing import Any, cast
 
 from pyoxigraph import NamedNode, QuerySolutions, Store, Variable
 
-from onto_compiler.problems import OntoError
 from onto_compiler.rdf import BASE, RDF, SH, node, prologue
-from onto_compiler.shapes_sparql import CONSTRAINTS, Constraint, Term, path_text, term_text
+from onto_compiler.shapes_sparql import CONSTRAINTS, Constraint, ShapeFault, Term, path_text, term_text
 
 __all__ = ["Shape", "ShapeResult", "compile_shapes", "validate"]
 
@@ -76,6 +75,7 @@ class _Reader:
     """Reads shapes out of a store, all graphs together."""
 
     store: Store
+    root: Term = field(default_factory=lambda: node(SH + "NodeShape"))  # the shape that is being read
     unknown: set[str] = field(default_factory=set)
 
     def values(self, subject: Term, name: str) -> list[Term]:
@@ -100,17 +100,17 @@ class _Reader:
             seen.add(head)
             first, rest = self.one(head, RDF + "first"), self.one(head, RDF + "rest")
             if first is None or rest is None:
-                raise OntoError.of("SHP002", "a list in a shape does not end")
+                raise ShapeFault("a list in this shape does not end", self.root)
             members.append(first)
             head = rest
         return members
 
 
-def compile_shapes(store: Store) -> tuple[Shape, ...]:
-    """Every shape of ``store`` that has a target.
+def compile_shapes(store: Store, faults: list[ShapeFault] | None = None) -> tuple[Shape, ...]:
+    """Every shape of ``store`` that has a target. Shapes that cannot run are left out and appended to ``faults``.
 
     Raises:
-        OntoError: SHP002, where a parameter has no value of its kind.
+        ShapeFault: the first of them, where no list is given.
 
     """
     reader = _Reader(store)
@@ -121,29 +121,43 @@ def compile_shapes(store: Store) -> tuple[Shape, ...]:
         targets = _targets(reader, root)
         if not targets or _off(reader, root):
             continue
-        reader.unknown = set()
-        checks = tuple(_shape(reader, _Place(root, targets, reader.one(root, "path"))))
-        shapes.append(Shape(root, checks, ", ".join(sorted(reader.unknown))))
+        reader.root, reader.unknown = root, set()
+        try:
+            checks = tuple(_shape(reader, _Place(root, targets, reader.one(root, "path"))))
+        except ShapeFault as fault:
+            _keep(fault, faults)
+        else:
+            shapes.append(Shape(root, checks, ", ".join(sorted(reader.unknown))))
     return tuple(shape for shape in shapes if shape.checks or shape.foreign)
 
 
-def validate(store: Store, shapes: tuple[Shape, ...]) -> tuple[ShapeResult, ...]:
-    """Validate all graphs of ``store`` together against ``shapes``.
+def validate(
+    store: Store, shapes: tuple[Shape, ...], faults: list[ShapeFault] | None = None
+) -> tuple[ShapeResult, ...]:
+    """Validate all graphs of ``store`` together against ``shapes``; as for ``faults``, see :func:`compile_shapes`.
 
     Raises:
-        OntoError: SHP002, where the query of a ``sh:sparql`` constraint or a pattern is not valid.
+        ShapeFault: the query of a ``sh:sparql`` constraint is not valid, and no list is given.
 
     """
     results: list[ShapeResult] = []
     for shape in shapes:
-        if shape.foreign:
-            from onto_compiler.shapes_pyshacl import validate_foreign  # noqa: PLC0415 - pySHACL takes a second to import
+        try:
+            if shape.foreign:
+                from onto_compiler.shapes_pyshacl import validate_foreign  # noqa: PLC0415 - a second to import
 
-            results += [_known(result, shapes) for result in validate_foreign(store, shape.iri)]
-        else:
-            for check in shape.checks:
-                results += _run(store, check)
+                results += [_known(row, shapes) for row in validate_foreign(store, shape.iri)]
+            else:
+                results += [result for check in shape.checks for result in _run(store, check)]
+        except ShapeFault as fault:
+            _keep(fault, faults)
     return tuple(dict.fromkeys(results))
+
+
+def _keep(fault: ShapeFault, faults: list[ShapeFault] | None) -> None:
+    if faults is None:
+        raise fault
+    faults.append(fault)
 
 
 def _known(row: tuple[Term, Term | None, Term | None, str, Term, str, str], shapes: tuple[Shape, ...]) -> ShapeResult:
@@ -204,7 +218,7 @@ def _core(reader: _Reader, place: _Place, name: str) -> Iterator[_Check]:
     flags = reader.one(place.shape, "flags")
     for parameter in reader.values(place.shape, name):
         items = tuple(reader.items(parameter)) if name == "in" else ()
-        own = Constraint(place.shape, place.targets, place.text, parameter, items, flags.value if flags else "")
+        own = Constraint(place.shape, name, place.targets, place.text, parameter, items, flags.value if flags else "")
         for query in CONSTRAINTS[name](own):
             yield _check(reader, place, component, query)
 
@@ -232,7 +246,7 @@ def _check(reader: _Reader, place: _Place, component: str, query: str, said: Ter
 def _sparql(reader: _Reader, place: _Place, constraint: Term) -> _Check:
     select = reader.one(constraint, "select")
     if select is None:
-        raise OntoError.of("SHP002", f"the sh:sparql of {term_text(place.shape)} has no sh:select")
+        raise ShapeFault("a sh:sparql constraint has no sh:select", place.shape, "sparql", constraint)
     if "$shapesGraph" in select.value or "$currentShape" in select.value:
         reader.unknown.add("$shapesGraph")
     prefixes = []
@@ -279,9 +293,9 @@ def _solve(store: Store, check: _Check, query: str, this: Term | None = None) ->
         solutions = store.query(query, use_default_graph_as_union=True, substitutions=given)
     except (SyntaxError, ValueError) as error:
         text = " ".join(str(error).split())
-        raise OntoError.of("SHP002", f"the {check.component} of {term_text(check.shape)} cannot run: {text}") from error
+        raise ShapeFault(f"the {check.component} cannot run: {text}", check.shape) from error
     if not isinstance(solutions, QuerySolutions):
-        raise OntoError.of("SHP002", f"the sh:select of {term_text(check.shape)} is no SELECT query")
+        raise ShapeFault("a sh:select is no SELECT query", check.shape)
     names = [variable.value for variable in solutions.variables]
     for solution in solutions:
         yield {name: cast("Term", solution[name]) for name in names if solution[name] is not None}

@@ -10,9 +10,8 @@ from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Store, serializ
 from rdflib import Graph, URIRef
 from rdflib.namespace import RDF, SH
 
-from onto_compiler.problems import OntoError
 from onto_compiler.rdf import SH as SHACL
-from onto_compiler.shapes_sparql import Term, term_text
+from onto_compiler.shapes_sparql import ShapeFault, Term
 
 __all__ = ["validate_foreign"]
 
@@ -23,18 +22,18 @@ def validate_foreign(store: Store, shape: Term) -> Iterator[Row]:
     """Focus, path, value, component, source shape, message and severity of each result that ``shape`` has.
 
     Raises:
-        OntoError: SHP002, where the shape has no IRI or pySHACL cannot use it.
+        ShapeFault: the shape has no IRI or pySHACL cannot use it.
 
     """
     if not isinstance(shape, NamedNode):
-        raise OntoError.of("SHP002", "a shape that needs pySHACL must have an IRI")
+        raise ShapeFault("a shape with this constraint must have an IRI", shape)
     graph = as_graph(store)
     try:
         _, report, _ = pyshacl.validate(
             graph, shacl_graph=graph, use_shapes=[shape.value], inference="none", advanced=False, inplace=True
         )
     except Exception as error:  # pySHACL raises what it likes on a shape it cannot use
-        raise OntoError.of("SHP002", f"{term_text(shape)} cannot run: {error}") from error
+        raise ShapeFault(f"the shape cannot run: {error}", shape) from error
     yield from read_report(report)
 
 

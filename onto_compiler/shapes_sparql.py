@@ -5,15 +5,16 @@ Source: SHACL (W3C, 2017), section 4, whose definitions of the Core components a
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
-from onto_compiler.problems import OntoError
+from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import SH, XSD
 
-__all__ = ["CONSTRAINTS", "Constraint", "Term", "path_text", "term_text"]
+__all__ = ["CONSTRAINTS", "Constraint", "ShapeFault", "Term", "path_text", "term_text"]
 
 Term = NamedNode | BlankNode | Literal
 _CASTS = {XSD + name for name in ("boolean", "integer", "decimal", "double", "float", "dateTime", "date")}
@@ -27,11 +28,24 @@ _KINDS = {
 }
 
 
+class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError one in any input
+    """A shape that cannot run (SHP002): ``shape``, and the parameter and value of it that are at fault."""
+
+    def __init__(self, message: str, shape: Term, parameter: str = "", value: Term | None = None) -> None:
+        super().__init__(Problem("", 0, 0, "SHP002", "error", message, "see `onto explain SHP002`"))
+        self.shape, self.parameter, self.value = shape, parameter, value
+
+    def __reduce__(self) -> tuple[type[OntoError], tuple[Problem, ...]]:
+        """Pickle as the plain error: RDF terms stay in their process."""
+        return (OntoError, self.problems)
+
+
 @dataclass(frozen=True, slots=True)
 class Constraint:
-    """A parameter and its value; ``targets`` is a group that binds ``?this``, ``path`` is empty for a node shape."""
+    """A parameter of a shape: ``name`` and value. ``targets`` binds ``?this``; ``path`` is empty for a node shape."""
 
     shape: Term
+    name: str
     targets: str
     path: str
     parameter: Term
@@ -51,14 +65,17 @@ class Constraint:
         """The parameter as a whole number.
 
         Raises:
-            OntoError: SHP002, where it is none.
+            ShapeFault: where it is none.
 
         """
         try:
             return int(self.parameter.value)
         except ValueError:
-            text = f"{term_text(self.shape)} has `{self.parameter.value}` where a whole number belongs"
-            raise OntoError.of("SHP002", text) from None
+            raise self.fault(f"`{self.parameter.value}` stands where a whole number belongs") from None
+
+    def fault(self, message: str) -> ShapeFault:
+        """What is wrong with this parameter's value."""
+        return ShapeFault(message, self.shape, self.name, self.parameter)
 
 
 def term_text(term: Term) -> str:
@@ -120,7 +137,7 @@ def _class(own: Constraint) -> Iterator[str]:
 def _node_kind(own: Constraint) -> Iterator[str]:
     kind = own.parameter.value.removeprefix(SH)
     if kind not in _KINDS:
-        raise OntoError.of("SHP002", f"{term_text(own.shape)} has the node kind `{kind}`, which SHACL does not know")
+        raise own.fault(f"`{kind}` is no node kind of SHACL")
     yield own.where(f"FILTER (!{_KINDS[kind]})")
 
 
@@ -136,6 +153,10 @@ def _has_value(own: Constraint) -> Iterator[str]:
 
 
 def _pattern(own: Constraint) -> Iterator[str]:
+    try:
+        re.compile(own.parameter.value)
+    except re.error as error:
+        raise own.fault(f"the pattern is no regular expression: {error.msg}") from error
     pattern, flags = str(Literal(own.parameter.value)), str(Literal(own.flags))
     yield own.where(f"FILTER (isBlank(?value) || !COALESCE(REGEX(STR(?value), {pattern}, {flags}), false))")
 

@@ -60,11 +60,18 @@ def graph_of(path: Path) -> NamedNode:
 def read_into(store: Store, path: Path) -> list[Problem]:
     """Load one file into its named graph; return what is wrong with it instead of raising."""
     try:
-        store.load(path=str(path), format=RdfFormat.TURTLE, base_iri=path.as_uri(), to_graph=graph_of(path))
+        data = path.read_bytes()
+        data.decode("utf-8")
+        store.load(data, format=RdfFormat.TURTLE, base_iri=path.as_uri(), to_graph=graph_of(path))
     except SyntaxError as error:
         return [parse_problem(path, error)]
-    except (OSError, UnicodeDecodeError) as error:
-        return [_unreadable(path, f"cannot read `{path.name}`: {error}")]
+    except UnicodeDecodeError as error:
+        before = data[: error.start].decode("utf-8")
+        line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
+        message = f"`{path.name}` is not UTF-8: byte 0x{data[error.start]:02X}"
+        return [Problem(str(path), line, column, "TTL002", "error", message, "save the file as UTF-8")]
+    except OSError as error:
+        return [_unreadable(path, f"cannot read `{path.name}`: {error.strerror or error}")]
     return []
 
 

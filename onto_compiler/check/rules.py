@@ -16,7 +16,7 @@ from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.model import Model
 from onto_compiler.check.patterns import Construct, Name, Step, read_construct
 from onto_compiler.rdf import CORE, SH
-from onto_compiler.turtle.tokens import Token
+from onto_compiler.turtle.tokens import Token, tokens
 
 __all__ = ["check_rules"]
 
@@ -39,6 +39,10 @@ _RANGES = """
 SELECT ?property ?range ?instance WHERE {
     ?property rdfs:range ?range . FILTER STRSTARTS(STR(?property), STR(core:)) ?instance a/rdfs:subClassOf* ?range }"""
 _FAILURES = "SELECT ?class WHERE { ?class rdfs:subClassOf* core:Failure }"
+_LEAVES = """
+SELECT ?class ?priority WHERE {
+    ?class rdfs:subClassOf+ core:PredicateFailure FILTER NOT EXISTS { ?narrower rdfs:subClassOf ?class }
+    OPTIONAL { ?class core:priority ?priority } }"""
 _KINDS = "SELECT ?class ?above WHERE { ?class rdfs:subClassOf* ?above . ?above rdfs:subClassOf* core:Predicate }"
 _ROUTES = "SELECT ?failure ?kind WHERE { ?route core:admits ?failure ; core:supports ?kind }"
 
@@ -86,6 +90,7 @@ def check_rules(model: Model) -> Iterator[Finding]:
     yield from _conclusions(model, sound)
     yield from _restrictions(model, sound)
     yield from _unrouted(model, sound)
+    yield from _never_concluded(model, rules)
 
 
 def _rules(model: Model) -> Iterator[_Rule]:
@@ -128,22 +133,35 @@ def _parse_faults(rule: _Rule) -> Iterator[Finding]:
         text = rule.text.value
         starts = [0, *(found.end() for found in re.finditer("\n", text))]
         index = min(starts[min(max(line, 1), len(starts)) - 1] + column - 1, max(len(text) - 1, 0))
-        found = " ".join(text[index : index + 20].split()) or "the end"
-        wanted = f"; expected {expected.removeprefix('expected ')}" if 0 < len(expected) < 60 else ""
+        # The parser reports the furthest character that it came to, which may lie within a token.
+        token = next((one for one in tokens(text) if one.start <= index < one.end or one.start >= index), None)
+        known = 0 < len(expected) < 60 and "[" not in expected and "OPTIONAL" not in expected
         yield rule.finding(
             "RUL001",
-            f"the query of `{{subject}}` is no SPARQL from here on: `{found}`{wanted}",
-            "a rule is one CONSTRUCT query; `onto explain RUL001` shows one",
-            (index, 1),
+            f"the query of `{{subject}}` is no SPARQL near `{token.text if token else 'its end'}`"
+            + (f": {expected}" if known else ""),
+            "a rule is one CONSTRUCT query; `onto explain RUL001` says more",
+            token or (index, 1),
         )
         return
     except ValueError as error:  # Oxigraph's word for a query that parses and means nothing
-        yield rule.finding("RUL001", f"the query of `{{subject}}` is no SPARQL: {error}", "rewrite the query", (0, 1))
+        yield rule.finding(
+            "RUL001", f"the query of `{{subject}}` is no SPARQL: {error}", "rewrite the query", _start(rule)
+        )
         return
     if not isinstance(result, QueryTriples):
         yield rule.finding(
-            "RUL012", "the query of `{subject}` constructs nothing", "write `CONSTRUCT { ... } WHERE { ... }`", (0, 1)
+            "RUL012",
+            "the query of `{subject}` constructs nothing",
+            "write `CONSTRUCT { ... } WHERE { ... }`",
+            _start(rule),
         )
+
+
+def _start(rule: _Rule) -> tuple[int, int]:
+    """The first token of a rule's text."""
+    first = next(tokens(rule.text.value), None)
+    return (first.start, first.end - first.start) if first else (0, 1)
 
 
 def _undeclared(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
@@ -258,6 +276,19 @@ def _unrouted(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
             for kind in kinds:
                 if not any((step.object, wider) in routed for wider in above[kind.iri]):
                     yield _no_route(rule, step, kind)
+
+
+def _never_concluded(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
+    concluded = {name.iri for rule in rules for name in rule.query.names}
+    for row in model.rows(_LEAVES):
+        if "priority" in row and row["class"].value not in concluded:
+            yield Finding(
+                "RTE009",
+                "warning",
+                "no rule concludes the failure class `{subject}`",
+                "write a diagnosis rule that concludes it, or remove the class",
+                row["class"],
+            )
 
 
 def _no_route(rule: _Rule, step: Step, kind: Name | None) -> Finding:

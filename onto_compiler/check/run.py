@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from pyoxigraph import BlankNode, NamedNode
@@ -15,8 +15,9 @@ from onto_compiler.check.prefixes import check_prefixes
 from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.rules import check_rules
 from onto_compiler.problems import OntoError, Problem
-from onto_compiler.rdf import shorten
+from onto_compiler.rdf import SH, shorten
 from onto_compiler.shapes import ShapeResult, compile_shapes, validate
+from onto_compiler.shapes_sparql import ShapeFault
 
 __all__ = ["Report", "check", "check_model"]
 
@@ -48,11 +49,7 @@ def check_model(model: Model) -> tuple[Problem, ...]:
     problems = list(check_prefixes(model))
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
     findings += [*check_rules(model), *check_bindings(model)]
-    try:
-        findings += _shape_findings(model)
-    except OntoError as error:
-        first = str(model.files[0]) if model.files else ""
-        problems += [replace(problem, file=problem.file or first) for problem in error.problems]
+    findings += _shape_findings(model)
     if findings:
         from onto_compiler.check.locate import locate  # noqa: PLC0415 - a clean run never needs a source map
 
@@ -61,9 +58,20 @@ def check_model(model: Model) -> tuple[Problem, ...]:
 
 
 def _shape_findings(model: Model) -> Iterator[Finding]:
-    shapes = compile_shapes(model.store)
-    for result in validate(model.store, shapes):
+    faults: list[ShapeFault] = []
+    shapes = compile_shapes(model.store, faults)
+    for result in validate(model.store, shapes, faults):
         yield _finding(result)
+    for fault in faults:
+        yield Finding(
+            "SHP002",
+            "error",
+            f"a shape cannot run: {fault.problems[0].message}",
+            "correct the shape; see `onto explain SHP002`",
+            fault.shape,
+            NamedNode(SH + fault.parameter) if fault.parameter else None,
+            fault.value,
+        )
 
 
 def _finding(result: ShapeResult) -> Finding:

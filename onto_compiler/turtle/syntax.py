@@ -20,12 +20,7 @@ _PAIRS = {"[": "]", "(": ")"}
 
 def syntax_problem(path: Path, error: SyntaxError) -> Problem:
     """The fault that stopped Oxigraph in ``path``, as the narrowest code that fits (TTL001 where none does)."""
-    try:
-        source = Source(str(path), path.read_bytes().decode("utf-8-sig"))
-    except (OSError, UnicodeDecodeError) as unreadable:
-        return Problem(
-            str(path), 0, 0, "TTL002", "error", f"cannot read `{path.name}`: {unreadable}", "save the file as UTF-8"
-        )
+    source = Source(str(path), path.read_bytes().decode("utf-8", errors="replace").removeprefix("\ufeff"))
     message = re.sub(r"^Parser error (at|between) line .*?: ", "", str(error.msg or error))
     line, column = error.lineno or 0, error.offset or 0
     if not line and (place := _PLACE.search(str(error))):

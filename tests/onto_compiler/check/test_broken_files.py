@@ -1,0 +1,89 @@
+"""Each file of ``broken/`` is wrong in one way, and its first line says which code stands where."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import ontology
+from onto_compiler.check.pages import FOLDER, codes, index
+from onto_compiler.check.queries import query_checks
+from onto_compiler.check.run import check
+
+HERE = Path(__file__).parent
+ROOT = Path(__file__).resolve().parents[3]
+BROKEN = sorted((HERE / "broken").glob("*.ttl"))
+GOOD = sorted((HERE / "good").glob("*.ttl"))
+CODE = re.compile(r"\b(?:TTL|VOC|DOC|SIG|RTE|RUL|BND|OWL|SHP)\d{3}\b")
+
+
+def expected(path):
+    first = path.read_bytes().partition(b"\n")[0].decode()
+    return sorted((code, int(line), int(column)) for code, line, column in re.findall(r"(\w+) (\d+):(\d+)", first))
+
+
+def test_the_corpus_is_complete():
+    assert len(BROKEN) == 85
+    assert len(GOOD) == 2
+
+
+@pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
+def test_a_broken_file_has_exactly_the_expected_problem(path):
+    problems = check([path]).problems
+    assert sorted((p.code, p.line, p.column) for p in problems) == expected(path)
+    assert {p.file for p in problems} == {str(path)}
+
+
+@pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
+def test_every_problem_says_what_to_do(path):
+    for problem in check([path]).problems:
+        assert problem.hint
+        assert not re.search(r"\{\w+\}|``", problem.message + problem.hint), "an unfilled name"
+
+
+@pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
+def test_a_good_file_has_no_problem(path):
+    assert check([path]).problems == ()
+
+
+def test_all_good_files_together_have_no_problem():
+    assert check([HERE / "good"]).problems == ()
+
+
+def test_the_shipped_ontology_has_no_problem():
+    report = check()
+    assert report.problems == ()
+    assert set(report.files) == set(ontology.turtle_files())
+    assert report.triples > 2000
+
+
+def test_codes_have_a_page_and_an_example_each():
+    """Codes that the program can report, pages that explain one, and broken files that show one are the same."""
+    sources = [*(ROOT / "onto_compiler").glob("*.py")]
+    for folder in ("check", "turtle"):
+        sources += (ROOT / "onto_compiler" / folder).glob("*.py")
+    sources += ontology.turtle_files()
+    reported = {check.code for check in query_checks()}
+    for path in sources:
+        text = path.read_text(encoding="utf-8")
+        reported |= {match for match in CODE.findall(text) if f'"{match}"' in text}
+    shown = {code for path in BROKEN for code, _, _ in expected(path)}
+    paged = {path.stem for path in FOLDER.glob("*.md") if CODE.fullmatch(path.stem)}
+    assert reported == paged == shown
+    assert len(reported) == 77
+
+
+def test_every_page_has_the_same_parts():
+    for code in codes():
+        if not CODE.fullmatch(code):
+            continue
+        text = (FOLDER / f"{code}.md").read_text(encoding="utf-8")
+        assert text.startswith(f"# {code}: ")
+        assert re.findall(r"(?m)^## (.*)", text) in (
+            ["Why it matters", "Example", "Instead"],
+            ["Why it matters", "Instead"],
+        )
+
+
+def test_the_index_lists_every_page():
+    assert (ROOT / "docs" / "errors" / "README.md").read_text(encoding="utf-8") == index()

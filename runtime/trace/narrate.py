@@ -12,7 +12,7 @@ from onto_compiler.tables import ABSENT, EXHAUSTED, EXPLICITLY_FALSE, MARGIN_VIO
 from runtime.diagnosis import evidence_status
 from runtime.records import Attempt, Diagnosis, Episode, RouteDecision, Verification
 
-__all__ = ["amount", "atom", "chain", "narrate", "outcome_sentence", "short_name", "unit_of"]
+__all__ = ["amount", "atom", "chain", "narrate", "outcome_sentence", "premise_sentence", "short_name", "unit_of"]
 
 _SYMBOLS = {"M": "m", "RAD": "rad", "N": "N"}
 _SOURCES = {"sim": "the simulator", "pred": "the world model"}
@@ -71,7 +71,8 @@ def narrate(episode: Episode, schema: Schema) -> Iterator[str]:
     yield f"{episode.task} ({episode.suite}, initial state {episode.state_index}, seed {episode.seed})"
     if episode.required.language:
         yield f"  Instruction: {episode.required.language}."
-    yield from _premise(episode, schema)
+    if premise := premise_sentence(episode, schema):
+        yield f"  {premise}"
     yield f"  The task requires {_listed([atom(fact, schema) for fact in episode.required.facts])}."
     yield from _state("At the start", episode.required.facts, episode.initial, schema)
     for attempt in episode.attempts:
@@ -141,21 +142,25 @@ def _verified(verification: Verification) -> str:
     return f"{text}, and {settled} after {verification.settle_steps} steps of settling."
 
 
-def _premise(episode: Episode, schema: Schema) -> Iterator[str]:
-    declared = episode.required.premise
+def premise_sentence(episode: Episode, schema: Schema) -> str:
+    """Whether the task's declared initial facts hold; an empty string where it declares none."""
+    declared, seen = episode.required.premise, episode.premise
     if not declared:
-        return
+        return ""
+    statuses = [STATUSES[code] for code in evidence_status(declared, seen)]
     broken = [
         f"{atom(fact, schema)} ({amount(float(margin), unit_of(fact, schema))})"
-        for fact, status, margin in zip(
-            declared, evidence_status(declared, episode.premise), episode.premise.margin, strict=True
-        )
-        if STATUSES[status] != SATISFIED
+        for fact, status, margin in zip(declared, statuses, seen.margin, strict=True)
+        if status != SATISFIED
     ]
-    if broken:
-        yield f"  Of its {len(declared)} declared initial facts, these do not hold: {_listed(broken)}."
-    else:
-        yield f"  Its declared initial fact{'s hold' if len(declared) > 1 else ' holds'}."
+    if len(declared) == 1:
+        return (
+            f"Its declared initial fact does not hold: {broken[0]}." if broken else "Its declared initial fact holds."
+        )
+    if not broken:
+        return f"Its {len(declared)} declared initial facts hold."
+    verb = "does" if len(broken) == 1 else "do"
+    return f"Of its {len(declared)} declared initial facts, {len(broken)} {verb} not hold: {_listed(broken)}."
 
 
 def _state(when: str, facts: Sequence[Fact], observation: Observation, schema: Schema) -> Iterator[str]:

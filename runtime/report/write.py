@@ -1,0 +1,55 @@
+"""Episodes in, one self-contained HTML file out: no script, no font, no picture from elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.resources import files
+from pathlib import Path
+
+from onto_compiler.problems import OntoError
+from onto_compiler.schema import Schema
+from runtime.records import Episode
+from runtime.report.markup import Html, element
+from runtime.report.sections import answers_section, details_section, episodes_table, header, modes_note, tiles
+from runtime.trace.sparql import Answer
+
+__all__ = ["report_html", "write_report"]
+
+_TITLE = "Onto-EV-WM: diagnosis and repair"
+_FOOT = (
+    "A margin is the signed distance to a predicate's threshold, positive when the predicate holds; the shaded side of"
+    " a drawing is the satisfied one, the hollow dot is before, the filled one after. Accepted means that the native"
+    " predicate of the benchmark said yes; nothing else decides it."
+)
+
+
+def write_report(path: Path | str, episodes: Sequence[Episode], schema: Schema, answers: Sequence[Answer]) -> None:
+    """Write the report of ``episodes`` to ``path``; ``answers`` are shown with their queries.
+
+    Raises:
+        OntoError: TRC001, where ``path`` cannot be written.
+    """
+    target = Path(path)
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_text(report_html(episodes, schema, answers), encoding="utf-8")
+    except OSError as error:
+        hint = "name a file that you may write, with space left"
+        raise OntoError.of("TRC001", f"cannot write `{path}`: {error}", hint, str(path)) from error
+
+
+def report_html(episodes: Sequence[Episode], schema: Schema, answers: Sequence[Answer]) -> str:
+    """The report as text: the same records give the same bytes."""
+    style = files("runtime.report").joinpath("style.css").read_text(encoding="utf-8")
+    main = [tiles(episodes), element("h2", "Episodes"), modes_note(episodes), episodes_table(episodes, schema)]
+    main += [element("h2", "Chains"), details_section(episodes, schema)]
+    if answers:
+        main += [element("h2", "Questions to the trace"), answers_section(answers)]
+    body = [header(_TITLE, episodes), element("main", *main), element("footer", element("p", _FOOT))]
+    head = [
+        Html('<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'),
+        element("title", _TITLE),
+        element("style", Html(style)),
+    ]
+    page = element("html", element("head", *head), element("body", *body), lang="en")
+    return f"<!doctype html>\n{page}\n"

@@ -23,6 +23,11 @@ __all__ = ["DUMMY_ACTION", "NativeTask", "versions"]
 
 DUMMY_ACTION = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)  # no motion, gripper open
 """The action with which LIBERO's evaluations let a scene settle."""
+BAD_NUMBERS = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
 
 
 class NativeTask:
@@ -115,6 +120,14 @@ class NativeTask:
             self.restore(self._fresh)
             self._control.set_init_state(flat)
 
+    @property
+    def diverged(self) -> bool:
+        """Whether MuJoCo met a bad number since the last reset or restore.
+
+        MuJoCo then silently goes back to the model's default pose, so what follows is finite and means nothing.
+        """
+        return any(self.data.warning[kind].number > 0 for kind in BAD_NUMBERS)
+
     def step(self, action: ArrayLike) -> bool:
         """One control step (1/20 s) with an OSC_POSE action (7,); gives native success after it."""
         with quiet():
@@ -179,6 +192,8 @@ class NativeTask:
     def restore(self, saved: Snapshot) -> None:
         """Go back to ``saved``, which must come from this environment's scene; raises ``SIM004`` otherwise."""
         snapshot.put(self.env, saved)
+        for kind in BAD_NUMBERS:
+            self.data.warning[kind].number = 0
 
 
 def versions() -> dict[str, str]:

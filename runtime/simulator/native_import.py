@@ -18,12 +18,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import mujoco
+
 from onto_compiler.problems import OntoError
 from runtime.simulator.assets import package_root
 
 __all__ = ["control_env", "predicate_names", "quiet"]
 
 NO_PICTURES = "disabled"
+_LOG = logging.getLogger("onto_evwm.mujoco")
 
 
 @cache
@@ -41,6 +44,7 @@ def control_env() -> Any:  # noqa: ANN401  a class of an untyped package
         atexit.register(shutil.rmtree, folder, ignore_errors=True)
         os.environ["LIBERO_CONFIG_PATH"] = folder
     _spare_opencv()
+    mujoco.set_mju_user_warning(_LOG.warning)  # it would write MUJOCO_LOG.TXT into the working folder
     with quiet(), _answering("n\n"):
         try:
             return importlib.import_module("libero.libero.envs.env_wrapper").ControlEnv

@@ -130,6 +130,23 @@ def test_writing_qpos_moves_and_stills_only_what_it_changes(native, state):
     assert np.array_equal(native.data.qvel, np.ones(native.model.nv))
 
 
+def test_a_state_that_broke_off_is_told_from_one_that_is_merely_finite(native, state, tmp_path, monkeypatch, caplog):
+    monkeypatch.chdir(tmp_path)
+    native.reset_to(state)
+    saved = native.snapshot()
+    native.settle(1)
+    assert not native.diverged
+    native.data.qvel[-1] = 1e20
+    native.settle(1)
+    assert np.isfinite(native.data.qpos).all()
+    assert native.diverged
+    assert "Nan, Inf or huge value in QVEL" in caplog.text
+    assert list(tmp_path.iterdir()) == []  # MuJoCo's own log file
+    native.restore(saved)
+    native.settle(1)
+    assert not native.diverged
+
+
 def test_success_is_the_goal_s_native_predicate(native, state):
     from grounding.scenes import Scene
 

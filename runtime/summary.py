@@ -15,6 +15,7 @@ from runtime.trace.narrate import amount, atom, short_name, unit_of
 
 __all__ = ["demo_table", "episode_summary", "first_diagnoses", "margin_after", "routes_of", "verdict"]
 
+_NARROW = 36  # what a table of 80 columns leaves for a fact
 _VERDICTS = {"grounding_verifier_disagreement": "disagreement", "run_fault": "run fault"}
 _STYLES = {"accepted": "green", "verified": "green", "retained": "cyan", "unresolved": "yellow"}
 
@@ -125,7 +126,10 @@ def _before_after(diagnosis: Diagnosis, episode: Episode, schema: Schema) -> Tex
     unit = unit_of(diagnosis.fact, schema)
     before, after = (amount(m, unit) for m in (diagnosis.margin, margin_after(episode, diagnosis.index)))
     margins = before if before == after else f"{before} -> {after}"
-    return Text(f"{atom(diagnosis.fact, schema)}\n  {margins}")
+    fact = atom(diagnosis.fact, schema)
+    if max(map(len, fact.split())) > _NARROW:
+        fact = fact.replace("(", "(\n  ", 1)
+    return Text(f"{fact}\n  {margins}")
 
 
 def _way(diagnosis: Diagnosis, episode: Episode, schema: Schema) -> Iterator[str]:

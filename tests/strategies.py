@@ -113,7 +113,8 @@ def attempts(draw, required, index):
     if draw(st.booleans()):
         qpos = np.array(draw(st.lists(numbers, max_size=9)), dtype=np.float64)
         changed = tuple(draw(st.lists(st.integers(0, 99), max_size=7, unique=True)))
-        proposal = Proposal(route.iri, draw(names), draw(st.integers(0, 50)), qpos, changed, draw(texts))
+        served = draw(st.sampled_from((route.iri, route.name, "no_declared_route")))
+        proposal = Proposal(served, draw(names), draw(st.integers(0, 50)), qpos, changed, draw(texts))
         application = Application(proposal, draw(st.sampled_from(("none", "state", "controller"))), draw(numbers))
     return Attempt(
         index=index,

@@ -257,7 +257,7 @@ def _application(about: _Subject) -> Application:
 def _proposal(about: _Subject) -> Proposal:
     addresses: list[int] = about.json("trace_changed")
     return Proposal(
-        route=about.text("core_route"),
+        route=about.text("trace_routeName"),
         proposer=about.text("trace_proposer"),
         candidate=about.integer("trace_candidate"),
         qpos=np.array(about.json("trace_qpos"), dtype=np.float64),

@@ -7,7 +7,7 @@ PROV relates the parts, so that `what led to this?` needs no other vocabulary.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isnan
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad
@@ -42,6 +42,8 @@ def episode_quads(episode: Episode, schema: Schema, run: str) -> Iterator[Quad]:
     """
     top = episode_iri(run, episode.suite, episode.task, episode.state_index)
     thresholds = frozenset(threshold.iri for threshold in schema.thresholds.values())
+    # A proposer gives its route by name or by IRI.
+    routes = {key: route.iri for route in schema.routes.values() for key in (route.name, route.iri)}
     _one_type_per_name((*episode.required.facts, *episode.required.premise), thresholds)
     required, premise = f"{top}/required", f"{top}/premise"
     facts, declared = episode.required.facts, episode.required.premise
@@ -60,7 +62,7 @@ def episode_quads(episode: Episode, schema: Schema, run: str) -> Iterator[Quad]:
         graphs += [
             (observed, _observation(observed, required, facts, attempt.observation)),
             (observed, _origin(observed, maker, required, earlier)),
-            (iri, _attempt(iri, top, attempt, maker)),
+            (iri, _attempt(iri, top, attempt, maker, routes)),
         ]
         earlier, maker = observed, iri
     final = f"{top}/final"
@@ -209,7 +211,7 @@ def _observation(iri: str, required: str, facts: Sequence[Fact], observation: Ob
         yield from _link(member, _DERIVED, f"{required}/fact/{index}")
 
 
-def _attempt(iri: str, top: str, attempt: Attempt, earlier: str) -> Iterator[Statement]:
+def _attempt(iri: str, top: str, attempt: Attempt, earlier: str, routes: Mapping[str, str]) -> Iterator[Statement]:
     observed = f"{top}/observed/{attempt.index}"
     failed = attempt.application is not None and attempt.verification is not None and not attempt.verification.outcome
     diagnoses = [f"{iri}/diagnosis/{i}" for i in range(len(attempt.diagnoses))]
@@ -241,7 +243,7 @@ def _attempt(iri: str, top: str, attempt: Attempt, earlier: str) -> Iterator[Sta
     yield from _decision(f"{iri}/decision", chosen, attempt.selected)
     yield from _link(f"{iri}/decision", _GENERATED, iri)
     if attempt.application is not None:
-        yield from _application(iri, attempt.application)
+        yield from _application(iri, attempt.application, routes)
     if attempt.verification is not None:
         verification = f"{iri}/verification"
         yield from _verification(verification, attempt.verification)
@@ -292,7 +294,7 @@ def _decision(iri: str, diagnosis: str, decision: RouteDecision) -> Iterator[Sta
     yield from _link(iri, _DERIVED, diagnosis)
 
 
-def _application(attempt: str, application: Application) -> Iterator[Statement]:
+def _application(attempt: str, application: Application, routes: Mapping[str, str]) -> Iterator[Statement]:
     iri, proposal = f"{attempt}/application", f"{attempt}/proposal"
     yield from _describe(
         iri,
@@ -303,16 +305,18 @@ def _application(attempt: str, application: Application) -> Iterator[Statement]:
     )
     yield from _link(iri, _USED, proposal)
     yield from _link(iri, _INFORMED, attempt)
-    yield from _proposal(proposal, application.proposal)
+    yield from _proposal(proposal, application.proposal, routes)
     yield from _link(proposal, _DERIVED, f"{attempt}/decision")
     yield from _link(proposal, _GENERATED, attempt)
 
 
-def _proposal(iri: str, proposal: Proposal) -> Iterator[Statement]:
+def _proposal(iri: str, proposal: Proposal, routes: Mapping[str, str]) -> Iterator[Statement]:
+    route = routes.get(proposal.route)
     yield from _describe(
         iri,
         [TRACE + "Proposal"],
-        core_route=node(proposal.route),
+        core_route=node(route) if route else None,
+        trace_routeName=proposal.route,
         trace_proposer=proposal.proposer,
         trace_candidate=int(proposal.candidate),
         trace_qpos=json.dumps(proposal.qpos.tolist()),

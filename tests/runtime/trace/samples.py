@@ -11,6 +11,7 @@ from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import Span
 from onto_compiler.rdf import BASE, MAN
 from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
+from onto_compiler.schema import local_name
 from onto_compiler.tables import REPEAT
 from runtime.diagnosis import diagnose, select
 from runtime.records import Application, Attempt, Episode, Proposal, Verification
@@ -55,7 +56,7 @@ def attempt(index, facts, observation, *, accepted, settled=None, previous=None,
     if fault:
         return Attempt(index, observation, found, decision, fault=fault)
     qpos = np.array([0.1, -0.2, 0.9, 1.0, 0.0, 0.0, 0.0])
-    proposal = Proposal(decision.route, "heuristic", index, qpos, (0, 1, 2), "above the plate")
+    proposal = Proposal(local_name(decision.route), "heuristic", index, qpos, (0, 1, 2), "above the plate")
     verification = Verification(query, accepted, settled, 20 if settled is not None else 0)
     return Attempt(index, observation, found, decision, Application(proposal, "state", 0.31), verification)
 

@@ -174,7 +174,9 @@ def test_a_corrupt_trace_says_where(tmp_path):
 
 @pytest.mark.parametrize("lost", ["task", "requires", "memberFact", "index", "outcome", "query", "qpos"])
 def test_a_record_that_lacks_a_statement_says_which(tmp_path, lost):
-    trace = open_trace(filled(tmp_path / "store", [samples.accepted()]))
+    file = tmp_path / "trace.nq"
+    file.write_bytes(dump(open_trace(filled(tmp_path / "store", [samples.accepted()])).store, RdfFormat.N_QUADS))
+    trace = open_trace(file)
     name = NamedNode(f"https://w3id.org/onto-evwm/trace#{lost}")
     quads = [q for q in trace.store.quads_for_pattern(None, name, None, None) if "/run/" in q.graph_name.value]
     assert quads

@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 ROOT = Path(__file__).resolve().parents[3]
 BROKEN = sorted((HERE / "broken").glob("*.ttl"))
 GOOD = sorted((HERE / "good").glob("*.ttl"))
-CODE = re.compile(r"\b(?:TTL|VOC|DOC|SIG|RTE|RUL|BND|OWL|SHP)\d{3}\b")
+CODE = re.compile(r"\b(?:TTL|VOC|DOC|SIG|RTE|RUL|BND|OWL|SHP|ABX)\d{3}\b")
 
 
 def expected(path):
@@ -23,8 +23,8 @@ def expected(path):
 
 
 def test_the_corpus_is_complete():
-    assert len(BROKEN) == 85
-    assert len(GOOD) == 2
+    assert len(BROKEN) == 92
+    assert len(GOOD) == 3
 
 
 @pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
@@ -70,7 +70,7 @@ def test_codes_have_a_page_and_an_example_each():
     shown = {code for path in BROKEN for code, _, _ in expected(path)}
     paged = {path.stem for path in FOLDER.glob("*.md") if CODE.fullmatch(path.stem)}
     assert reported == paged == shown
-    assert len(reported) == 77
+    assert len(reported) == 81
 
 
 def test_every_page_has_the_same_parts():

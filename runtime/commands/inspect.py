@@ -28,7 +28,7 @@ def _ground(options: argparse.Namespace) -> int:
     with task_runner(options) as runner:
         runner.start(options.state, read_state(options.state_file))
         schema, required = runner.knowledge.schema, runner.required
-        verdict = runner.environment.verify().outcome
+        verdict = runner.environment.verify().outcome if runner.task.judged else None
         record: dict[str, Any] = {"suite": runner.ref.suite, "task": required.task, "state": options.state}
         for part, facts, observation in (
             ("facts", required.facts, runner.environment.observe()),
@@ -60,7 +60,12 @@ def _ground(options: argparse.Namespace) -> int:
             mark = "yes" if row["truth"] else "no"
             limit = f" ({row['limit']})" if row["limit"] else ""
             lines.append(f"    {mark:<4}{row['fact']}: {amount(row['margin'], row['unit'])}{limit}, {row['status']}")
-    lines.append(f"  the native check says {'success' if verdict else 'no success'}")
+    says = {
+        True: "the native check says success",
+        False: "the native check says no success",
+        None: "LIBERO cannot judge",
+    }
+    lines.append(f"  {says[verdict]}")
     sys.stdout.write("\n".join(lines) + "\n")
     return CLEAN
 

@@ -63,6 +63,11 @@ class NativeTask:
                 raise OntoError.of("SIM016", message, "check the task with `onto check` first", str(bddl)) from error
             finally:
                 np.random.set_state(global_state)  # noqa: NPY002  as above
+        goal = self.env.parsed_problem["goal_state"]
+        self._unjudged = sorted({str(term[0]) for term in goal} - set(predicate_names()))
+        if self._unjudged:
+            # Every step asks for success as well, and LIBERO asserts that it knows the predicate.
+            self.env.parsed_problem["goal_state"] = []
         self._fresh = self.snapshot()
 
     @classmethod
@@ -139,8 +144,21 @@ class NativeTask:
         for _ in range(steps):
             self.step(DUMMY_ACTION)
 
+    @property
+    def judged(self) -> bool:
+        """Whether LIBERO can evaluate the goal."""
+        return not self._unjudged
+
     def success(self) -> bool:
-        """The native verdict on the present state."""
+        """The native verdict on the present state; raises ``SIM018`` for a goal that LIBERO cannot evaluate."""
+        if self._unjudged:
+            names = ", ".join(f"`{name}`" for name in self._unjudged)
+            raise OntoError.of(
+                "SIM018",
+                f"LIBERO has no predicate {names}, so that nothing native can judge this goal",
+                f"`onto diagnose` needs no judge; LIBERO judges {', '.join(predicate_names())}",
+                str(self.bddl),
+            )
         return bool(self._control.check_success())
 
     def evaluate(self, atom: NativeAtom) -> bool:

@@ -1,7 +1,6 @@
-"""A scratch copy of a state that answers how deep some bodies sink into everything else. It never steps.
+"""A scratch copy of a state that answers what overlaps what, and what rests on what. It never steps.
 
-Only positions are computed (``mj_kinematics``) and contacts found (``mj_collision``), so that a query costs tens of
-microseconds in a scene of LIBERO.
+Only positions are computed (``mj_kinematics``) and, where asked, contacts found (``mj_collision``).
 """
 
 from __future__ import annotations
@@ -45,7 +44,7 @@ class Clearance:
         self.refresh()
 
     def refresh(self) -> None:
-        """Find poses and contacts anew after ``data.qpos`` was written."""
+        """Find poses and contacts anew after ``data.qpos`` was written; without contacts, ``mj_kinematics`` does."""
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_collision(self.model, self.data)
 
@@ -53,43 +52,48 @@ class Clearance:
         """Mask (ngeom,) of the geoms that ride on ``bodies``."""
         return np.isin(self.model.geom_bodyid, np.fromiter(bodies, dtype=np.intp))
 
-    def depth(self, moving: NDArray[np.bool_]) -> float:
-        """The deepest contact (m) between a ``moving`` geom and one that is not; ``-inf`` without a contact."""
-        contact = self.data.contact
-        if not self.data.ncon:
-            return -np.inf
-        pairs = contact.geom
-        crossing = moving[pairs[:, 0]] != moving[pairs[:, 1]]
-        if not crossing.any():
-            return -np.inf
-        return float(-contact.dist[crossing].min())
-
-    def overlap(self, moving: NDArray[np.bool_], within: NDArray[np.bool_] | None = None) -> float:
-        """The true overlap (m) of ``moving`` geoms with all that they may collide with; 0.0 when there is none.
-
-        What a geom of ``within`` overlaps there does not count: a drawer may rub its own cabinet.
-
-        :meth:`depth` believes the contacts, which is fast, but MuJoCo's box-box routine reports half of an overlap and
-        may find no contact at all where a thin plate runs right through a box. This measures pair by pair.
-        """
+    def boxes(self) -> tuple[Array, Array]:
+        """Lower and upper corners (ngeom, 3) in the world of the box around every geom; a plane's has no end."""
         model, data = self.model, self.data
-        half = model.geom_aabb[:, 3:]
         frames = data.geom_xmat.reshape(-1, 3, 3)
         centre = data.geom_xpos + np.einsum("gij,gj->gi", frames, model.geom_aabb[:, :3])
-        reach = np.einsum("gij,gj->gi", np.abs(frames), half)
+        reach = np.einsum("gij,gj->gi", np.abs(frames), model.geom_aabb[:, 3:])
         reach[model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE] = np.inf
-        deepest = 0.0
-        for geom in np.flatnonzero(moving):
-            own = within is not None and within[geom]
-            others = np.flatnonzero(~moving & ~within if own and within is not None else ~moving)
-            apart = np.abs(centre[others] - centre[geom]) > reach[others] + reach[geom]
-            collide = (model.geom_contype[others] & model.geom_conaffinity[geom]) | (
-                model.geom_conaffinity[others] & model.geom_contype[geom]
-            )
-            for other in others[(collide != 0) & ~apart.any(axis=1)]:
-                gap = mujoco.mj_geomDistance(model, data, int(geom), int(other), 0.0, None)
-                deepest = max(deepest, -float(gap))
-        return deepest
+        return centre - reach, centre + reach
+
+    def pairs(self, moving: NDArray[np.bool_], within: NDArray[np.bool_] | None = None) -> NDArray[np.intp]:
+        """Pairs (n, 2) of a ``moving`` geom and one that is not, which MuJoCo would let collide.
+
+        Pairs inside ``within`` are left out: a drawer may rub its own cabinet.
+        """
+        model = self.model
+        own, other = np.flatnonzero(moving), np.flatnonzero(~moving)
+        collide = (model.geom_contype[own, None] & model.geom_conaffinity[None, other]) | (
+            model.geom_conaffinity[own, None] & model.geom_contype[None, other]
+        )
+        if within is not None:
+            collide = np.where(within[own, None] & within[None, other], 0, collide)
+        rows, columns = np.nonzero(collide)
+        return np.stack([own[rows], other[columns]], axis=1)
+
+    def overlap(self, pairs: NDArray[np.intp]) -> float:
+        """The deepest overlap (m) of ``pairs`` (n, 2) of geoms, 0.0 when there is none."""
+        low, high = self.boxes()
+        one, two = pairs[:, 0], pairs[:, 1]
+        return self.deepest(pairs[np.all((low[one] < high[two]) & (low[two] < high[one]), axis=1)])
+
+    def deepest(self, pairs: NDArray[np.intp], enough: float = np.inf) -> float:
+        """As :meth:`overlap`, measuring every pair, but stopping at one deeper than ``enough``.
+
+        Contacts would not tell: MuJoCo's box-box routine reports half of an overlap, and none at all where a thin plate
+        runs right through a box.
+        """
+        found = 0.0
+        for first, second in pairs.tolist():
+            found = max(found, -float(mujoco.mj_geomDistance(self.model, self.data, first, second, 0.0, None)))
+            if found > enough:
+                break
+        return found
 
     def subtree(self, body: int) -> list[int]:
         """``body`` and all bodies below it."""

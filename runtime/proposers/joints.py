@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SINK_M", "end_values", "moved", "side_values"]
 
-SINK_M = 9e-4  # the deepest true overlap that a proposal may cause
+SINK_M = 9e-4  # the deepest overlap that a proposal may cause
 _DEPTHS = (0.5, 0.3, 0.7, 0.85, 0.15)  # how far into the satisfied side, as a fraction of it
 _UNLIMITED = 0.5  # width (rad or m) taken for a side that the joint's range does not end
 _INSET = 0.02  # of the range: a joint at its very limit is pushed back by the limit's constraint
@@ -80,4 +80,4 @@ def moved(clearance: Clearance, joint: int, value: float) -> tuple[Array, tuple[
         bodies += scene.bodies(entity).tolist()
     clearance.place(qpos)
     whole = clearance.geom_mask(clearance.subtree(int(model.body_rootid[body])))
-    return qpos, carried, clearance.overlap(clearance.geom_mask(bodies), whole)
+    return qpos, carried, clearance.overlap(clearance.pairs(clearance.geom_mask(bodies), whole))

@@ -29,7 +29,7 @@ def test_an_object_is_lowered_until_it_just_touches(world):
     height = origin(world, landing.qpos, "box_1")[2]
     assert 0.0 < TABLE_M + HALF_M - height < 1e-3
     clearance = Clearance(world.scene, landing.qpos)
-    sunk = clearance.depth(clearance.geom_mask(world.scene.bodies("box_1").tolist()))
+    sunk = clearance.overlap(clearance.pairs(clearance.geom_mask(world.scene.bodies("box_1").tolist())))
     assert TOUCH_M / 2 < sunk <= TOUCH_M
     assert landing.flaws == 0
 

@@ -178,9 +178,9 @@ def _compare(sign: str) -> Callable[[Constraint], Iterator[str]]:
 def _unique_lang(own: Constraint) -> Iterator[str]:
     if own.parameter.value == "true":
         yield (
-            f"SELECT ?this (LANG(?value) AS ?language) WHERE {{ {own.targets} {own.values} "
+            f"SELECT ?this ?language WHERE {{ {own.targets} {own.values} "
             "FILTER (isLiteral(?value) && LANG(?value) != '') } "
-            "GROUP BY ?this (LANG(?value)) HAVING (COUNT(DISTINCT ?value) > 1)"
+            "GROUP BY ?this (LANG(?value) AS ?language) HAVING (COUNT(DISTINCT ?value) > 1)"
         )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import platform
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
@@ -16,13 +17,15 @@ from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
 from runtime.simulator import snapshot
 from runtime.simulator.assets import TaskRef
-from runtime.simulator.native_import import control_env, predicate_names, quiet
+from runtime.simulator.native_import import control_env, predicate_names, quiet, randomization_error
 from runtime.simulator.snapshot import Snapshot
 
 __all__ = ["DUMMY_ACTION", "NativeTask", "versions"]
 
 DUMMY_ACTION = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)  # no motion, gripper open
 """The action with which LIBERO's evaluations let a scene settle."""
+PLACEMENTS = 10
+"""Samples of a crowded scene that are tried before it counts as impossible."""
 BAD_NUMBERS = (
     mujoco.mjtWarning.mjWARN_BADQPOS,
     mujoco.mjtWarning.mjWARN_BADQVEL,
@@ -44,23 +47,28 @@ class NativeTask:
         self.seed = seed
         if not bddl.is_file():
             raise OntoError.of("SIM016", "there is no such task file", "", str(bddl))
-        environment = control_env()
+        environment, crowded = control_env(), randomization_error()
         global_state = np.random.get_state()  # noqa: NPY002  robosuite samples from numpy's global generator
+
+        def build() -> None:
+            self._control = environment(
+                bddl_file_name=str(bddl),
+                use_camera_obs=False,
+                has_renderer=False,
+                has_offscreen_renderer=False,
+                ignore_done=True,  # the horizon is the caller's
+            )
+
         with quiet():
             try:
                 np.random.seed(seed)  # noqa: NPY002  as above
-                self._control = environment(
-                    bddl_file_name=str(bddl),
-                    use_camera_obs=False,
-                    has_renderer=False,
-                    has_offscreen_renderer=False,
-                    ignore_done=True,  # the horizon is the caller's
-                )
+                _until_placed(build, crowded)
                 self._control.seed(seed)
-                self._control.reset()
+                # LIBERO's own reset tries again for ever, and after any exception.
+                _until_placed(self._control.env.reset, crowded)
             except Exception as error:  # LIBERO has no exceptions of its own: a bad file may raise any
                 message = f"LIBERO cannot build this task: {type(error).__name__} {error}"
-                raise OntoError.of("SIM016", message, "check the task with `onto check` first", str(bddl)) from error
+                raise OntoError.of("SIM016", message, "look at the task file with `onto compile`", str(bddl)) from error
             finally:
                 np.random.set_state(global_state)  # noqa: NPY002  as above
         goal = self.env.parsed_problem["goal_state"]
@@ -212,6 +220,17 @@ class NativeTask:
         snapshot.put(self.env, saved)
         for kind in BAD_NUMBERS:
             self.data.warning[kind].number = 0
+
+
+def _until_placed(act: Callable[[], object], crowded: type[Exception]) -> None:
+    """Call ``act`` until its sampler finds room for every object, :data:`PLACEMENTS` times at most."""
+    for _ in range(PLACEMENTS - 1):
+        try:
+            act()
+        except crowded:
+            continue
+        return
+    act()
 
 
 def versions() -> dict[str, str]:

@@ -16,14 +16,14 @@ import warnings
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import mujoco
 
 from onto_compiler.problems import OntoError
 from runtime.simulator.assets import package_root
 
-__all__ = ["control_env", "predicate_names", "quiet"]
+__all__ = ["control_env", "predicate_names", "quiet", "randomization_error"]
 
 NO_PICTURES = "disabled"
 _LOG = logging.getLogger("onto_evwm.mujoco")
@@ -77,6 +77,13 @@ def predicate_names() -> tuple[str, ...]:
     """The predicates that LIBERO can evaluate, in its own lower-case spelling."""
     control_env()
     return tuple(importlib.import_module("libero.libero.envs.predicates").get_predicate_fn_dict())
+
+
+def randomization_error() -> type[Exception]:
+    """What robosuite raises when its sampler finds no room for an object."""
+    control_env()
+    found = importlib.import_module("robosuite.utils.errors").RandomizationError
+    return cast("type[Exception]", found)
 
 
 @contextlib.contextmanager

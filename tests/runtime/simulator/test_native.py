@@ -215,6 +215,18 @@ def test_a_file_that_is_no_task_is_refused(tmp_path):
         assert (problem.code, problem.file) == ("SIM016", str(broken))
 
 
+def test_a_scene_without_room_for_its_objects_is_refused_and_not_tried_for_ever(tmp_path, ref):
+    from runtime.simulator.native import NativeTask
+
+    text = ref.bddl.read_text()
+    bowl, plate = "(-0.09999999999999999 -0.01 -0.08 0.01)", "(0.04 -0.03 0.060000000000000005 -0.01)"
+    assert text.count(bowl) == text.count(plate) == 1
+    (tmp_path / "crowded.bddl").write_text(text.replace(bowl, plate))  # one on the other's place
+    problem = fault(NativeTask, tmp_path / "crowded.bddl")
+    assert problem.code == "SIM016"
+    assert "RandomizationError" in problem.message
+
+
 def test_nothing_is_printed_on_stdout(ref, state, capfd):
     from runtime.simulator.native import NativeTask
 

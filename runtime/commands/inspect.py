@@ -20,7 +20,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _ground(options: argparse.Namespace) -> int:
-    from onto_compiler.tables import STATUSES  # noqa: PLC0415 - heavy imports wait for the command to run
+    from onto_compiler.tables import SATISFIED, STATUSES  # noqa: PLC0415 - heavy imports wait for the command to run
     from runtime.commands.opening import read_state, task_runner  # noqa: PLC0415
     from runtime.diagnosis import evidence_status  # noqa: PLC0415
     from runtime.trace.narrate import amount, atom, short_name, unit_of  # noqa: PLC0415
@@ -40,7 +40,9 @@ def _ground(options: argparse.Namespace) -> int:
                     "fact": atom(fact, schema),
                     "predicate": short_name(fact.predicate, schema),
                     "arguments": [argument.name for argument in fact.arguments],
+                    "polarity": fact.polarity,
                     "truth": bool(observation.truth[i]),
+                    "satisfied": STATUSES[statuses[i]] == SATISFIED,
                     "status": schema.labels[STATUSES[statuses[i]]],
                     "margin": float(observation.margin[i]),
                     "unit": unit_of(fact, schema),
@@ -57,9 +59,10 @@ def _ground(options: argparse.Namespace) -> int:
     for part, heading in (("facts", "goal"), ("premise", "premise")):
         lines.append(f"  {heading}")
         for row in record[part]:
-            mark = "yes" if row["truth"] else "no"
+            mark = "yes" if row["satisfied"] else "no"
             limit = f" ({row['limit']})" if row["limit"] else ""
-            lines.append(f"    {mark:<4}{row['fact']}: {amount(row['margin'], row['unit'])}{limit}, {row['status']}")
+            status = "tolerated" if row["satisfied"] and row["truth"] != row["polarity"] else row["status"]
+            lines.append(f"    {mark:<4}{row['fact']}: {amount(row['margin'], row['unit'])}{limit}, {status}")
     says = {
         True: "the native check says success",
         False: "the native check says no success",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from codecs import BOM_UTF8
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -62,7 +63,8 @@ def read_into(store: Store, path: Path) -> list[Problem]:
     try:
         data = path.read_bytes()
         data.decode("utf-8")
-        store.load(data, format=RdfFormat.TURTLE, base_iri=path.as_uri(), to_graph=graph_of(path))
+        text = data.removeprefix(BOM_UTF8)
+        store.load(text, format=RdfFormat.TURTLE, base_iri=path.as_uri(), to_graph=graph_of(path))
     except SyntaxError as error:
         return [parse_problem(path, error)]
     except UnicodeDecodeError as error:

@@ -14,6 +14,7 @@ __all__ = ["syntax_problem"]
 _PLACE = re.compile(r"line (\d+) column (\d+)|line (\d+) between columns (\d+)")
 _PREFIX = re.compile(r"The prefix (.*): has not been declared")
 _INVALID = re.compile(r"(?s)(.*) is not a valid (RDF object|predicate|subject or graph name)")
+_CODE_POINT = re.compile(r"(?s)Invalid IRI code point '(.*)'")
 _EXPECTED = {"RDF object": "an object", "predicate": "a predicate", "subject or graph name": "a subject"}
 _PAIRS = {"[": "]", "(": ")"}
 
@@ -35,7 +36,8 @@ def syntax_problem(path: Path, error: SyntaxError) -> Problem:
         or _bracket(source, before, found)
         or _end(source, message, before, found)
         or _invalid(source, message, before, offset)
-        or _problem(source, offset, "TTL001", f"not Turtle: {_lower(message)}", "see `onto explain TTL001`")
+        or _iri(source, message, offset)
+        or _problem(source, offset, "TTL001", f"not Turtle: {_sentence(message)}", "see `onto explain TTL001`")
     )
 
 
@@ -108,7 +110,7 @@ def _invalid(source: Source, message: str, before: list[Token], offset: int) -> 
         return None
     what = _EXPECTED[match[2]]
     hint = f"write {what} here"
-    if what == "a predicate" and len(before) > 1 and before[-2].text == ".":
+    if what == "a predicate" and match[1] != "." and len(before) > 1 and before[-2].text == ".":
         line = source.span(before[-2].start, before[-2].end).line
         hint = f"does line {line} end with `.` where `;` is meant?"
     elif what == "an object" and before and before[-1].text == ",":
@@ -119,5 +121,15 @@ def _invalid(source: Source, message: str, before: list[Token], offset: int) -> 
     return _problem(source, offset, "TTL001", f"not Turtle: expected {what}, found `{shown}`", hint)
 
 
-def _lower(message: str) -> str:
-    return message[:1].lower() + message[1:]
+def _iri(source: Source, message: str, offset: int) -> Problem | None:
+    match = _CODE_POINT.search(message)
+    if match is None:
+        return None
+    held = {" ": "a space", "\n": "a line end", "\r": "a line end"}.get(match[1], f"`{match[1]}`")
+    hint = "close it with `>`, or write the character as %20, %3C and the like"
+    return _problem(source, offset, "TTL001", f"not Turtle: the IRI that begins here cannot hold {held}", hint)
+
+
+def _sentence(message: str) -> str:
+    text = " ".join(message.split())
+    return text[:1].lower() + text[1:]

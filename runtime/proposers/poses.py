@@ -140,16 +140,9 @@ def site_window(clearance: Clearance, place: Place) -> Window:
         half = float(np.abs(matrix @ size)[2])
         bottom, top = centre[2] - half + _IN_LOW, centre[2] + half
     else:
-        corners = np.array(
-            list(
-                itertools.product(
-                    (-size[0], size[0]), (-size[1], size[1]), (size[2] + _UNDER_LOW, size[2] + _UNDER_HIGH)
-                )
-            )
-        )
-        heights = (
-            centre[2] + (corners @ matrix)[:, 2]
-        )  # upstream tests matrix @ (origin - centre), so this is its inverse
+        edges = (-size[0], size[0]), (-size[1], size[1]), (size[2] + _UNDER_LOW, size[2] + _UNDER_HIGH)
+        # upstream tests matrix @ (origin - centre), so that the way back to the world is by the transpose
+        heights = centre[2] + (np.array(list(itertools.product(*edges))) @ matrix)[:, 2]
         bottom, top = heights.min(), heights.max()
     return Window(float(bottom), float(top), max(roof, float(top)) + _ROOF_M)
 

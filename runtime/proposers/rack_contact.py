@@ -44,7 +44,7 @@ class HeuristicRackContact:
     name = "heuristic_rack_contact"
 
     def __init__(self, schema: Schema) -> None:
-        """Keep ``schema``, which the rack does not need so far."""
+        """Take ``schema`` as every proposer does; the scene alone tells where to place."""
         self.schema = schema
 
     def propose(self, request: Request) -> Proposal | None:

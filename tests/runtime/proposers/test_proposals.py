@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -79,10 +78,10 @@ def test_the_same_request_gives_the_same_proposal(case, world):
 
 def test_the_next_candidate_is_another_one(case, world):
     proposer, fact, qpos = case
-    proposals = [proposer.propose(world.request(fact, qpos=qpos, candidate=k)) for k in range(3)]
-    assert [p.candidate for p in proposals] == [0, 1, 2]
-    for one, two in pairwise(proposals):
-        assert not np.array_equal(one.qpos, two.qpos)
+    proposals = [proposer.propose(world.request(fact, qpos=qpos, candidate=k)) for k in range(2)]
+    assert [p.candidate for p in proposals] == [0, 1]
+    one, two = proposals
+    assert not np.array_equal(one.qpos, two.qpos)
 
 
 def test_candidates_run_out(case, world):

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
-from pyoxigraph import NamedNode, QuerySolutions, Store, Variable
+from pyoxigraph import BlankNode, Literal, NamedNode, QuerySolutions, Store, Variable
 
 from onto_compiler.rdf import BASE, RDF, SH, node, prologue
 from onto_compiler.shapes_sparql import CONSTRAINTS, Constraint, ShapeFault, Term, path_text, term_text
@@ -79,6 +79,8 @@ class _Reader:
     unknown: set[str] = field(default_factory=set)
 
     def values(self, subject: Term, name: str) -> list[Term]:
+        if isinstance(subject, Literal):
+            return []
         predicate = node(name if ":" in name else SH + name)
         found = self.store.quads_for_pattern(cast("NamedNode", subject), predicate, None, None)
         return list(dict.fromkeys(cast("Term", quad.object) for quad in found))
@@ -118,11 +120,11 @@ def compile_shapes(store: Store, faults: list[ShapeFault] | None = None) -> tupl
     roots = sorted({cast("Term", row["shape"]) for row in rows}, key=str)
     shapes = []
     for root in roots:
-        targets = _targets(reader, root)
-        if not targets or _off(reader, root):
-            continue
         reader.root, reader.unknown = root, set()
         try:
+            targets = _targets(reader, root)
+            if not targets or _off(reader, root):
+                continue
             checks = tuple(_shape(reader, _Place(root, targets, reader.one(root, "path"))))
         except ShapeFault as fault:
             _keep(fault, faults)
@@ -172,6 +174,10 @@ def _off(reader: _Reader, shape: Term) -> bool:
 
 
 def _targets(reader: _Reader, shape: Term) -> str:
+    for name in ("targetClass", "targetSubjectsOf", "targetObjectsOf"):
+        for target in reader.values(shape, name):
+            if not isinstance(target, NamedNode):
+                raise ShapeFault(f"the value of sh:{name} is no IRI", shape, name, target)
     parts = [f"?this a/rdfs:subClassOf* {term_text(cls)} ." for cls in reader.values(shape, "targetClass")]
     parts += [f"?this {term_text(path)} ?any ." for path in reader.values(shape, "targetSubjectsOf")]
     parts += [f"?any {term_text(path)} ?this ." for path in reader.values(shape, "targetObjectsOf")]
@@ -195,8 +201,7 @@ def _shape(reader: _Reader, place: _Place) -> Iterator[_Check]:
     if place.path is not None:
         place = replace(place, text=path_text(place.path, reader.values, reader.items))
         if not place.text:
-            reader.unknown.add("sh:path")
-            return
+            raise ShapeFault("the sh:path is no property path", place.shape, "path", place.path)
     for name in reader.parameters(place.shape):
         if name in CONSTRAINTS:
             yield from _core(reader, place, name)
@@ -218,6 +223,10 @@ def _core(reader: _Reader, place: _Place, name: str) -> Iterator[_Check]:
     flags = reader.one(place.shape, "flags")
     for parameter in reader.values(place.shape, name):
         items = tuple(reader.items(parameter)) if name == "in" else ()
+        if not isinstance(parameter, NamedNode) and name in {"class", "datatype", "nodeKind"}:
+            raise ShapeFault(f"the value of sh:{name} is no IRI", place.shape, name, parameter)
+        if any(isinstance(term, BlankNode) for term in (items if name == "in" else (parameter,))):
+            raise ShapeFault(f"a blank node cannot be the value of sh:{name}", place.shape, name, parameter)
         own = Constraint(place.shape, name, place.targets, place.text, parameter, items, flags.value if flags else "")
         for query in CONSTRAINTS[name](own):
             yield _check(reader, place, component, query)
@@ -292,7 +301,8 @@ def _solve(store: Store, check: _Check, query: str, this: Term | None = None) ->
     try:
         solutions = store.query(query, use_default_graph_as_union=True, substitutions=given)
     except (SyntaxError, ValueError) as error:
-        text = " ".join(str(error).split())
+        # Behind the first alternatives Oxigraph lists whole classes of characters.
+        text = " ".join(str(error).partition(", [")[0].split())
         raise ShapeFault(f"the {check.component} cannot run: {text}", check.shape) from error
     if not isinstance(solutions, QuerySolutions):
         raise ShapeFault("a sh:select is no SELECT query", check.shape)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pyoxigraph import BlankNode, Literal, NamedNode
 
 from onto_compiler.problems import OntoError, Problem
-from onto_compiler.rdf import SH, XSD
+from onto_compiler.rdf import RDF, SH, XSD
 
 __all__ = ["CONSTRAINTS", "Constraint", "ShapeFault", "Term", "path_text", "term_text"]
 
@@ -83,10 +83,14 @@ def term_text(term: Term) -> str:
     return str(term) if not isinstance(term, BlankNode) else "a shape without an IRI"
 
 
-def path_text(path: Term, values: Callable[[Term, str], list[Term]], items: Callable[[Term], list[Term]]) -> str:
-    """A SHACL property path as a SPARQL one; empty where it has a form that SHACL does not know."""
+def path_text(
+    path: Term, values: Callable[[Term, str], list[Term]], items: Callable[[Term], list[Term]], depth: int = 8
+) -> str:
+    """A SHACL property path as a SPARQL one; empty where it has no form that SHACL knows, or is nested without end."""
     if isinstance(path, NamedNode):
         return str(path)
+    if isinstance(path, Literal) or depth == 0:
+        return ""
     forms = {
         "inversePath": "^{}",
         "zeroOrMorePath": "{}*",
@@ -95,10 +99,12 @@ def path_text(path: Term, values: Callable[[Term, str], list[Term]], items: Call
     }
     for name, form in forms.items():
         for inner in values(path, name):
-            text = path_text(inner, values, items)
+            text = path_text(inner, values, items, depth - 1)
             return f"({form.format(text)})" if text else ""
     alternatives = values(path, "alternativePath")
-    members = [path_text(item, values, items) for item in items(alternatives[0] if alternatives else path)]
+    if not alternatives and not values(path, RDF + "first"):
+        return ""
+    members = [path_text(item, values, items, depth - 1) for item in items(alternatives[0] if alternatives else path)]
     if not members or not all(members):
         return ""
     return f"({('|' if alternatives else '/').join(members)})"

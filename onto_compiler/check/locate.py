@@ -79,9 +79,19 @@ def _problem(model: Model, finding: Finding, source_map: SourceMap) -> Problem:
     hint = fill(finding.hint)
     if finding.near:
         own = names.get(finding.near, "")
-        meant = near(own, sorted(_declared(model, source_map) - {own}))
+        meant = _meant(own, sorted(_declared(model, source_map) - {own}))
         hint = f"{meant} Otherwise: {hint}" if meant else hint
     return Problem.at(span, finding.code, fill(finding.message), hint, finding.severity)
+
+
+def _meant(own: str, declared: list[str]) -> str:
+    """The same local name under another prefix, or else a similar one under the same prefix."""
+    prefix, _, local = own.partition(":")
+    same = [name for name in declared if name.partition(":")[2].lower() == local.lower()]
+    if same:
+        return f"did you mean `{same[0]}`?"
+    similar = near(local, [name.partition(":")[2] for name in declared if name.partition(":")[0] == prefix])
+    return similar.replace("`", f"`{prefix}:", 1)
 
 
 def _declared(model: Model, source_map: SourceMap) -> set[str]:

@@ -1,42 +1,36 @@
-"""The page of each code, ``onto_compiler/errors/CODE.md``; and their index, ``docs/errors/README.md``.
+"""The page of each code: ``docs/errors/CODE.md``, which the package holds as ``onto_compiler/errors``.
 
-``python -m onto_compiler.check.pages`` prints the index; a test holds the file equal to it.
+``python -m onto_compiler.check.pages`` prints their index, ``docs/errors/README.md``.
 """
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
 __all__ = ["FOLDER", "codes", "index", "page"]
 
-FOLDER = Path(__file__).resolve().parent.parent / "errors"
-_ELSEWHERE = FOLDER.parent.parent / "docs" / "errors"  # pages that only a checkout holds
+_PACKAGED = Path(__file__).resolve().parent.parent / "errors"
+# A checkout without symbolic links has a file there.
+FOLDER = _PACKAGED if _PACKAGED.is_dir() else _PACKAGED.parent.parent / "docs" / "errors"
 
 
 def codes() -> tuple[str, ...]:
     """Every code that has a page."""
-    return tuple(sorted(_pages()))
+    return tuple(sorted(path.stem for path in FOLDER.glob("*.md") if re.fullmatch(r"[A-Z]+\d{3}", path.stem)))
 
 
 def page(code: str) -> str | None:
     """The page of ``code``; None where there is no such code."""
-    path = _pages().get(code)
-    return path.read_text(encoding="utf-8") if path else None
-
-
-def _pages() -> dict[str, Path]:
-    found = [*_ELSEWHERE.glob("[A-Z]*[0-9].md"), *FOLDER.glob("[A-Z]*[0-9].md")]
-    return {path.stem: path for path in found}
+    return (FOLDER / f"{code}.md").read_text(encoding="utf-8") if code in codes() else None
 
 
 def index() -> str:
-    """A table of the packaged pages, as Markdown."""
-    rows = []
-    for path in sorted(FOLDER.glob("*.md")):
-        title = path.read_text(encoding="utf-8").partition("\n")[0].removeprefix(f"# {path.stem}: ")
-        rows.append(f"| [{path.stem}](../../onto_compiler/errors/{path.stem}.md) | {title} |")
-    head = ["# Problems", "", "What each code of `onto check` means; `onto explain CODE` prints the same page.", ""]
+    """A table of all pages with their titles, as Markdown."""
+    titles = {code: (page(code) or "").partition("\n")[0].removeprefix(f"# {code}: ") for code in codes()}
+    rows = [f"| [{code}]({code}.md) | {title} |" for code, title in titles.items()]
+    head = ["# Problems", "", "What each code means; `onto explain CODE` prints the same page.", ""]
     return "\n".join([*head, "| Code | Meaning |", "| --- | --- |", *rows, ""])
 
 

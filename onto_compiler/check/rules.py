@@ -15,7 +15,7 @@ from pyoxigraph import Literal, NamedNode, QueryTriples, Store
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.model import Model
 from onto_compiler.check.patterns import Construct, Name, Step, read_construct
-from onto_compiler.rdf import CORE, SH
+from onto_compiler.rdf import CORE, PREFIXES, SH
 from onto_compiler.turtle.tokens import Token, tokens
 
 __all__ = ["check_rules"]
@@ -118,7 +118,8 @@ def _prefix_faults(rule: _Rule) -> Iterator[Finding]:
         yield rule.finding(
             "RUL002",
             f"`{{subject}}` uses the prefix `{prefix}:`, which its sh:prefixes does not declare",
-            f'add `[ sh:prefix "{prefix}" ; sh:namespace "..."^^xsd:anyURI ]` to the sh:declare of the ontology header',
+            f'add `[ sh:prefix "{prefix}" ; sh:namespace "{PREFIXES.get(prefix, "...")}"^^xsd:anyURI ]` '
+            "to the sh:declare of the ontology header",
             token,
         )
 

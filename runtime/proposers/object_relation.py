@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from runtime.proposers.candidates import Candidate, offer, ranked
-from runtime.proposers.poses import landing_batches
+from runtime.proposers.poses import landing_batches, leaving_batches
 from runtime.proposers.targets import place_of, slot_of
 
 if TYPE_CHECKING:
@@ -39,5 +39,7 @@ class HeuristicObjectRelation:
         """All candidates, best first."""
         fact = request.diagnosis.fact
         place = place_of(request.scene, fact)
-        if place is not None:
+        if place is not None and fact.polarity:
             yield from ranked(request, landing_batches(request, place, slot_of(request.required, fact)))
+        elif place is not None:
+            yield from ranked(request, leaving_batches(request, place))

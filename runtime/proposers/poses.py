@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["landing_batches", "site_window"]
+__all__ = ["landing_batches", "leaving_batches", "search_window", "site_window"]
 
 _EIGHTHS = tuple(np.radians((0.0, 90.0, 180.0, 270.0, 45.0, 135.0, 225.0, 315.0)))
 _COARSE, _FINE = (0.0, -0.4, 0.4, -0.8, 0.8), (-0.2, 0.0, 0.2)  # of a region's half size
@@ -34,6 +34,7 @@ _SLOT = 0.6  # of a region's half size: how far from its centre the outermost of
 _RING_M = (0.008, 0.016, 0.024)  # offsets from a landmark's origin, inside the 3 cm of LIBERO's On(object, object)
 _UNDER_LOW, _UNDER_HIGH, _IN_LOW = -0.005, 0.10, -0.01  # m; libero/envs/objects/site_object.py, under and in_box
 _ROOF_M = 0.02
+_AWAY_M = (0.08, 0.12, 0.16, 0.2, 0.25, 0.3)  # how far an object is moved that must leave a place
 
 
 def landing_batches(request: Request, place: Place, slot: tuple[int, int]) -> Iterator[list[Candidate]]:
@@ -66,6 +67,37 @@ def landing_batches(request: Request, place: Place, slot: tuple[int, int]) -> It
                     if (back := _put_back(scene, c.qpos, joint, present, place.subject)) is not None
                 ]
     yield from _landings(clearance, place, slot, covered=True)
+
+
+def leaving_batches(request: Request, place: Place) -> Iterator[list[Candidate]]:
+    """Batches of landings of ``place.subject`` away from where it is, nearest first: for a fact that must not hold."""
+    clearance = Clearance(request.scene, request.qpos)
+    mover = Mover(clearance, place.subject)
+    upright = rest_orientations(request.scene, request.qpos, place.subject)[0]
+    window = search_window(clearance, place, wanted=False)
+    for away in _AWAY_M:
+        poses = (
+            Pose(
+                float(mover.home[0] + away * np.cos(angle)),
+                float(mover.home[1] + away * np.sin(angle)),
+                upright,
+                f"{away:.2f} m away from {place.site or place.parent}, towards {np.degrees(angle):.0f} deg",
+            )
+            for angle in _EIGHTHS
+        )
+        yield [landing for pose in poses for landing in drop(mover, pose, window)]
+
+
+def search_window(clearance: Clearance, place: Place, *, wanted: bool) -> Window:
+    """Heights as :func:`site_window` has them, or any down to the foot of a place that is not ``wanted``."""
+    window = site_window(clearance, place)
+    if wanted:
+        return window
+    foot = window.low
+    if place.parent is not None:
+        low, _ = extent(clearance.model, clearance.data, clearance.scene.contact_geoms(place.parent))
+        foot = min(foot, float(low[2]))
+    return Window(foot, window.roof + 1.0, window.roof)
 
 
 def _put_back(scene: Scene, qpos: Array, joint: int, value: float, subject: str) -> Array | None:

@@ -16,7 +16,7 @@ from runtime.proposers.candidates import Candidate, offer, ranked
 from runtime.proposers.clearance import Clearance
 from runtime.proposers.geometry import cube_rotations
 from runtime.proposers.placement import Mover, Pose, drop
-from runtime.proposers.poses import site_window
+from runtime.proposers.poses import leaving_batches, site_window
 from runtime.proposers.targets import Place, place_of
 
 if TYPE_CHECKING:
@@ -54,7 +54,11 @@ class HeuristicRackContact:
     def candidates(self, request: Request) -> Iterator[Candidate]:
         """All candidates, best first."""
         place = place_of(request.scene, request.diagnosis.fact)
-        if place is not None and place.site is not None and place.parent is not None:
+        if place is None or place.site is None or place.parent is None:
+            return
+        if not request.diagnosis.fact.polarity:
+            yield from ranked(request, leaving_batches(request, place))
+        else:
             yield from ranked(
                 request, _batches(Clearance(request.scene, request.qpos), place, place.parent, place.site)
             )

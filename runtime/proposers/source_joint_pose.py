@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from runtime.proposers.candidates import Candidate, offer, ranked
 from runtime.proposers.clearance import Clearance
 from runtime.proposers.joints import SINK_M, moved, side_values
-from runtime.proposers.poses import landing_batches
+from runtime.proposers.poses import landing_batches, leaving_batches
 from runtime.proposers.targets import place_of, slot_of, threshold_of
 
 if TYPE_CHECKING:
@@ -48,8 +48,10 @@ class HeuristicSourceJointPose:
             yield from ranked(request, [list(_joint_states(request, threshold))])
             return
         place = place_of(request.scene, fact)
-        if place is not None:
+        if place is not None and fact.polarity:
             yield from ranked(request, landing_batches(request, place, slot_of(request.required, fact)))
+        elif place is not None:
+            yield from ranked(request, leaving_batches(request, place))
 
 
 def _joint_states(request: Request, threshold: JointThreshold) -> Iterator[Candidate]:

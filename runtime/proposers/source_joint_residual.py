@@ -17,7 +17,7 @@ from runtime.proposers.clearance import Clearance
 from runtime.proposers.geometry import yaw_matrix
 from runtime.proposers.joints import SINK_M, moved
 from runtime.proposers.placement import Mover, Pose, drop, rest_orientations
-from runtime.proposers.poses import site_window
+from runtime.proposers.poses import search_window
 from runtime.proposers.targets import place_of
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def _joint_states(request: Request) -> Iterable[Candidate]:
 def _poses(request: Request, place: Place) -> Iterable[Candidate]:
     """Landings of the object near its present pose, as the search visits them."""
     clearance = Clearance(request.scene, request.qpos)
-    window = site_window(clearance, place)
+    window = search_window(clearance, place, wanted=request.diagnosis.fact.polarity)
     mover = Mover(clearance, place.subject)
     upright = rest_orientations(request.scene, request.qpos, place.subject)[0]
     visited: list[Candidate] = []
@@ -149,6 +149,8 @@ def _poses(request: Request, place: Place) -> Iterable[Candidate]:
         hovering = clearance.data.qpos.copy()  # where nothing is within reach below, the margin still shows the way
         return max(_score(request, qpos) for qpos in (hovering, *(c.qpos for c in landings)))
 
-    first = float(np.clip(_shortfall(request, _STEP_M[0]), *_STEP_M))
+    # what must not hold says how well it holds, not how far it is to leave
+    wanted = request.diagnosis.fact.polarity
+    first = float(np.clip(_shortfall(request, _STEP_M[0]), *_STEP_M)) if wanted else _STEP_M[1]
     compass(value, np.array([first, first, _LEVER_M * np.pi / 4]))
     return visited

@@ -15,7 +15,7 @@ __all__ = ["Place", "place_of", "slot_of", "threshold_of"]
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where an object has to come: at a site (``parent`` carries it; None for a table) or on another entity."""
+    """Where an object has to come, or must not be: at a site (``parent`` carries it, None for a table) or on an entity."""
 
     subject: str
     site: str | None
@@ -24,9 +24,9 @@ class Place:
 
 
 def place_of(scene: Scene, fact: Fact) -> Place | None:
-    """The place that ``fact`` asks of a movable object; None when it speaks of something else, or is negated."""
+    """The place that ``fact`` asks of a movable object, or forbids it; None when it speaks of something else."""
     names = fact.native.arguments
-    if len(names) != 2 or not fact.polarity or names[0] not in scene.entities:
+    if len(names) != 2 or names[0] not in scene.entities:
         return None
     if scene.free_joint(names[0]) is None:
         return None

@@ -79,6 +79,7 @@ def fact(native, *names, grounded_by, threshold=None, polarity=True):
 
 ON_TABLE = fact("On", "box_1", "table_goal_region", grounded_by="on_site")
 ON_TRAY = fact("On", "box_1", "tray_1", grounded_by="on_object")
+OFF_TRAY = fact("On", "box_1", "tray_1", grounded_by="on_object", polarity=False)
 ON_CHEST = fact("On", "box_1", "chest_1_top_side", grounded_by="on_site")
 IN_DRAWER = fact("In", "box_1", "chest_1_drawer_region", grounded_by="in_site")
 ON_RACK = fact("On", "box_1", "rack_1_top_region", grounded_by="on_site")

@@ -8,6 +8,7 @@ from runtime.proposers.clearance import Clearance
 from runtime.proposers.object_relation import HeuristicObjectRelation
 from runtime.proposers.placement import TOUCH_M, UNBALANCED, Mover, Pose, Window, drop, rest_orientations
 from runtime.proposers.source_joint_pose import HeuristicSourceJointPose
+from runtime.proposers.source_joint_residual import HeuristicSourceJointResidual
 from tests.runtime.proposers import conftest as scenes
 
 pytestmark = pytest.mark.sim
@@ -92,3 +93,22 @@ def test_two_objects_of_one_region_leave_each_other_room(world):
     second = proposer.propose(world.request(*facts, index=1, qpos=first.qpos))
     assert world.observer(facts)(second.qpos).truth.tolist() == [True, True]
     assert np.array_equal(origin(world, second.qpos, "box_1"), origin(world, first.qpos, "box_1"))
+
+
+@pytest.mark.parametrize("shift", np.linspace(0.0, 0.004, 9))
+def test_no_plate_is_missed_wherever_the_descent_begins(world, shift):
+    """The roof of the chest is 4 mm thick, and the descent goes in steps as wide."""
+    window = Window(0.41, 0.6, 0.6 + shift)
+    heights = [origin(world, c.qpos, "box_1")[2] for c in drop(mover(world), Pose(0.0, -0.4, np.eye(3), ""), window)]
+    assert heights == pytest.approx([0.54, 0.454], abs=1e-3)
+
+
+@pytest.mark.parametrize("proposer", [HeuristicObjectRelation, HeuristicSourceJointResidual])
+def test_an_object_that_must_leave_a_place_is_put_beside_it(world, proposer):
+    start = HeuristicObjectRelation(scenes.SCHEMA).propose(world.request(scenes.ON_TRAY)).qpos
+    request = world.request(scenes.OFF_TRAY, qpos=start)
+    assert request.observe(start).truth[0]
+    proposal = proposer(scenes.SCHEMA).propose(request)
+    assert not request.observe(proposal.qpos).truth[0]
+    assert np.linalg.norm(origin(world, proposal.qpos, "box_1") - origin(world, start, "box_1")) < 0.35
+    assert scenes.deepest_new_overlap(world.model, start, proposal.qpos) < 1e-3

@@ -103,7 +103,6 @@ def test_the_request_is_left_as_it_was(case, world):
         (HeuristicRackContact, scenes.ON_TRAY),
         (HeuristicRackContact, scenes.OPEN_DRAWER),
         (HeuristicSourceJointPose, scenes.fact("On", "chest_1", "table_goal_region", grounded_by="placed_in_region")),
-        (HeuristicObjectRelation, scenes.fact("On", "box_1", "tray_1", grounded_by="on_object", polarity=False)),
     ],
 )
 def test_a_proposer_has_nothing_for_a_fact_outside_its_coordinates(proposer, fact, world):

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.sim
         (scenes.OPEN_DRAWER, None),
         (scenes.fact("On", "chest_1", "table_goal_region", grounded_by="placed_in_region"), None),
         (scenes.fact("On", "box_1", "box_1", grounded_by="on_object"), None),
-        (scenes.fact("On", "box_1", "tray_1", grounded_by="on_object", polarity=False), None),
+        (scenes.OFF_TRAY, Place("box_1", None, "tray_1", False)),
     ],
 )
 def test_a_place_is_read_from_the_native_arguments(world, fact, expected):

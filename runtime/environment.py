@@ -79,9 +79,8 @@ class NativeEnvironment:
         start = self.qpos
         try:
             self._task.write_qpos(proposal.qpos)
-            fault = (
-                "" if np.isfinite(self._task.data.qacc).all() else "the written state's accelerations are not finite"
-            )
+            sound = np.isfinite(self._task.data.qacc).all() and not self._task.diverged
+            fault = "" if sound else "the written state's accelerations are not finite"
         except (OntoError, mujoco.FatalError) as error:
             fault = str(error)
         if fault:

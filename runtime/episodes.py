@@ -101,10 +101,12 @@ class EpisodeRunner:
         """Write the initial state and let it settle. A task without official states has one: its seeded reset.
 
         Raises:
-            OntoError: ``SIM017``, where the task has no such initial state.
+            OntoError: ``SIM017``, where the task has no such initial state; ``SIM019``, where it diverges.
         """
         self.task.reset_to(self._official(state_index) if state is None else state)
         self.task.settle(PREMISE_STEPS)
+        if self.task.diverged:
+            raise OntoError.of("SIM019", f"the simulation of `{self.ref.name}` diverged while its initial state settled")
 
     def knowing(self, knowledge: Knowledge) -> EpisodeRunner:
         """The same scene and budget under other rules."""

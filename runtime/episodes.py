@@ -106,7 +106,7 @@ class EpisodeRunner:
         self.task.reset_to(self._official(state_index) if state is None else state)
         self.task.settle(PREMISE_STEPS)
         if self.task.diverged:
-            raise OntoError.of("SIM019", f"the simulation of `{self.ref.name}` diverged while its initial state settled")
+            raise OntoError.of("SIM019", f"the simulation of `{self.ref.name}` diverged while its state settled")
 
     def knowing(self, knowledge: Knowledge) -> EpisodeRunner:
         """The same scene and budget under other rules."""

@@ -15,7 +15,7 @@ __all__ = ["Place", "place_of", "slot_of", "threshold_of"]
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where an object has to come or must not be: at a site (``parent`` carries it, None for a table) or on an entity."""
+    """Where an object has to come or must not be: at a site (``parent`` has it, None for a table) or on an entity."""
 
     subject: str
     site: str | None

@@ -17,7 +17,9 @@ __all__ = ["check_bindings"]
 
 _PATTERN = NamedNode(CORE + "landmarkPattern")
 _PATTERNS = "SELECT ?binding ?pattern WHERE { ?binding core:landmarkPattern ?pattern }"
-_GROUNDED = "SELECT ?term ?name ?file WHERE { GRAPH ?file { ?term core:groundedBy ?name } }"
+_GROUNDED = """
+SELECT ?term ?property ?name ?file WHERE {
+    VALUES ?property { core:groundedBy core:premiseGroundedBy } GRAPH ?file { ?term ?property ?name } }"""
 _NAMED_GROUP = re.compile(r"\(\?<(?=\w)")  # SPARQL's relatives write a named group as JavaScript does
 
 
@@ -78,6 +80,6 @@ def _unregistered(model: Model) -> Iterator[Finding]:
                 f"no grounding function is registered as `{name}`, which `{{subject}}` names",
                 near(name, known) or "register it as an entry point of the group onto_evwm.groundings",
                 row["term"],
-                NamedNode(CORE + "groundedBy"),
+                row["property"],
                 row["name"],
             )

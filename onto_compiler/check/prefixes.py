@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from difflib import SequenceMatcher
 
 from onto_compiler.check.model import Model
 from onto_compiler.problems import Problem
@@ -13,9 +14,11 @@ __all__ = ["check_prefixes"]
 
 _DECLARATION = re.compile(r"(?im)^[ \t]*@?prefix[ \t]+([\w.-]*):[ \t]*<([^>]*)>")
 
+_SIMILAR = 0.8  # below it, another vocabulary is meant, which may have the same prefix
+
 
 def check_prefixes(model: Model) -> Iterator[Problem]:
-    """Prefixes that nothing uses (SPARQL inside strings counts), and usual ones for another namespace than usual."""
+    """Prefixes that nothing uses (SPARQL inside strings counts), and usual ones whose namespace looks mistyped."""
     for path in model.files:
         text = model.text(path)
         for match in _DECLARATION.finditer(text):
@@ -23,7 +26,7 @@ def check_prefixes(model: Model) -> Iterator[Problem]:
             line = text.count("\n", 0, match.start(1)) + 1
             column = match.start(1) - text.rfind("\n", 0, match.start(1))
             usual = PREFIXES.get(name, namespace)
-            if usual != namespace:
+            if usual != namespace and SequenceMatcher(None, usual, namespace).ratio() >= _SIMILAR:
                 yield Problem(
                     str(path),
                     line,

@@ -131,6 +131,22 @@ def test_a_clean_run_imports_nothing_heavy():
     assert done.stdout.split() == ["0"]
 
 
+@pytest.mark.parametrize(
+    ("namespace", "codes"),
+    [("https://w3id.org/onto-evwm/trace/", ["TTL008"]), ("https://example.com/library/of-traces#", [])],
+)
+def test_a_prefix_may_stand_for_another_vocabulary_but_not_for_a_misspelt_one(namespace, codes, tmp_path, capsys):
+    (tmp_path / "x.ttl").write_text(f"@prefix trace: <{namespace}> .\n<https://example.com/a> trace:b 1 .\n")
+    run(CHECK, tmp_path, "--json")
+    assert [p["code"] for p in json.loads(capsys.readouterr().out)["problems"]] == codes
+
+
+def test_a_prefix_that_only_sparql_uses_is_used(tmp_path):
+    text = "PREFIX trace: <https://w3id.org/onto-evwm/trace#>\n<https://example.com/a> <https://example.com/b> "
+    (tmp_path / "x.ttl").write_text(text + '"SELECT ?x WHERE { ?x a trace:Run }" .\n')
+    assert run(CHECK, tmp_path, "--fail-on", "warning") == CLEAN
+
+
 def test_explain_prints_the_page(capsys):
     assert run(EXPLAIN, "voc001") == CLEAN
     assert capsys.readouterr().out.startswith("# VOC001: undeclared term\n")

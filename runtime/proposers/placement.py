@@ -10,7 +10,7 @@ import numpy as np
 
 from runtime.proposers.candidates import Candidate
 from runtime.proposers.clearance import Clearance
-from runtime.proposers.geometry import level, matrix_of, quaternion_of, yaw_matrix
+from runtime.proposers.geometry import cube_rotations, level, matrix_of, quaternion_of, yaw_matrix
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -56,17 +56,20 @@ def yaws(matrix: Array, turns: Sequence[float]) -> Iterator[tuple[Array, float]]
 
 
 def rest_orientations(scene: Scene, qpos: Array, entity: str) -> list[Array]:
-    """Orientations that ``entity`` may rest in: as it stands now, upright to the nearest axis, and as modelled."""
+    """Orientations that ``entity`` may rest in, no two alike but for the yaw.
+
+    As it stands now, upright to the nearest axis, as modelled, and lying on each of its other sides.
+    """
     free = scene.free_joint(entity)
     if free is None:
         return []
     where = scene.qpos_slice(free)
+    now, modelled = (matrix_of(quat) for quat in (qpos[where][3:], scene.model.qpos0[where][3:]))
+    upright = level(now, np.pi / 2)
     found: list[Array] = []
-    for quat in (qpos[where][3:], scene.model.qpos0[where][3:]):
-        for limit in (np.radians(15.0), np.pi / 2):
-            upright = level(matrix_of(quat), limit)
-            if not any(np.allclose(upright[2], other[2], atol=1e-3) for other in found):  # equal but for the yaw
-                found.append(upright)
+    for matrix in (level(now), upright, level(modelled), *(cube @ upright for cube in cube_rotations())):
+        if not any(np.allclose(matrix[2], other[2], atol=1e-3) for other in found):
+            found.append(matrix)
     return found
 
 

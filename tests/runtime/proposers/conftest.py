@@ -42,6 +42,10 @@ WORLD = """
       <freejoint name="block_1_joint0"/>
       <geom name="block_1_g0" type="box" size="0.01 0.01 0.02"/>
     </body>
+    <body name="pole_1_main" pos="-0.35 -0.3 0.48">
+      <freejoint name="pole_1_joint0"/>
+      <geom name="pole_1_g0" type="box" size="0.012 0.015 0.06"/>
+    </body>
     <body name="chest_1_main" pos="0 -0.4 0.42">
       <geom name="chest_1_g0" type="box" size="0.1 0.08 0.002" pos="0 0 0.002"/>
       <geom name="chest_1_g1" type="box" size="0.1 0.08 0.002" pos="0 0 0.098"/>

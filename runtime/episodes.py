@@ -76,6 +76,10 @@ class EpisodeRunner:
             OntoError: as :meth:`start`.
         """
         self.start(state_index, state)
+        return self.correct(state_index, report)
+
+    def correct(self, state_index: int, report: Callable[[Attempt], None] | None = None) -> Episode:
+        """Run the loop on the present state, which :meth:`start` left."""
         premise = self.environment.observe_premise()
         unmet = evidence_status(self.required.premise, premise) != STATUSES.index(SATISFIED)
         correction = self.loop.run(

@@ -14,7 +14,7 @@ from runtime.summary import first_diagnoses, margin_after, routes_of, verdict
 from runtime.trace.narrate import amount, atom, chain, outcome_sentence, premise_sentence, short_name, unit_of
 from runtime.trace.sparql import Answer, plain, words
 
-__all__ = ["answers_section", "details_section", "episodes_table", "header", "modes_note", "tiles"]
+__all__ = ["answers_section", "details_section", "episode_name", "episodes_table", "header", "modes_note", "tiles"]
 
 _GOOD = frozenset(("accepted", "verified"))
 _OPEN = frozenset(("unresolved", "retained"))
@@ -85,7 +85,7 @@ def episodes_table(episodes: Sequence[Episode], schema: Schema) -> Html:
 
 
 def _rows(number: int, episode: Episode, schema: Schema) -> Iterator[tuple[object, ...]]:
-    name = element("a", _name(episode), href=f"#episode-{number}")
+    name = element("a", episode_name(episode), href=f"#episode-{number}")
     end = (len(episode.attempts), _verdict(episode), _settled(episode))
     found = first_diagnoses(episode)
     if not found:
@@ -102,7 +102,8 @@ def _rows(number: int, episode: Episode, schema: Schema) -> Iterator[tuple[objec
         )
 
 
-def _name(episode: Episode) -> str:
+def episode_name(episode: Episode) -> str:
+    """A task's name in words, and its initial state."""
     return f"{episode.task.replace('_', ' ')}, state {episode.state_index}"
 
 
@@ -140,7 +141,7 @@ def _details(number: int, episode: Episode, schema: Schema) -> Html:
     parts.append(element("ol", *turns, class_="chain") if turns else "")
     parts.append(element("p", element("b", "Outcome: "), outcome_sentence(episode.outcome)))
     parts += [element("p", _end(episode, schema))]
-    head = element("summary", _name(episode), _verdict(episode))
+    head = element("summary", episode_name(episode), _verdict(episode))
     return element("details", head, element("div", *parts), id=f"episode-{number}")
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
 from runtime.records import Episode
+from runtime.report.gallery import Pictures, gallery
 from runtime.report.markup import Html, element
 from runtime.report.sections import answers_section, details_section, episodes_table, header, modes_note, tiles
 from runtime.trace.sparql import Answer
@@ -23,8 +24,16 @@ _FOOT = (
 )
 
 
-def write_report(path: Path | str, episodes: Sequence[Episode], schema: Schema, answers: Sequence[Answer]) -> None:
+def write_report(
+    path: Path | str,
+    episodes: Sequence[Episode],
+    schema: Schema,
+    answers: Sequence[Answer],
+    pictures: Sequence[Pictures] = (),
+) -> None:
     """Write the report of ``episodes`` to ``path``; ``answers`` are shown with their queries.
+
+    ``pictures`` is empty or holds one pair of JPEGs per episode, before and after.
 
     Raises:
         OntoError: TRC001, where ``path`` cannot be written.
@@ -32,16 +41,20 @@ def write_report(path: Path | str, episodes: Sequence[Episode], schema: Schema, 
     target = Path(path)
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(report_html(episodes, schema, answers), encoding="utf-8")
+        target.write_text(report_html(episodes, schema, answers, pictures), encoding="utf-8")
     except OSError as error:
         hint = "name a file that you may write, with space left"
         raise OntoError.of("TRC001", f"cannot write `{path}`: {error}", hint, str(path)) from error
 
 
-def report_html(episodes: Sequence[Episode], schema: Schema, answers: Sequence[Answer]) -> str:
+def report_html(
+    episodes: Sequence[Episode], schema: Schema, answers: Sequence[Answer], pictures: Sequence[Pictures] = ()
+) -> str:
     """The report as text: the same records give the same bytes."""
     style = files("runtime.report").joinpath("style.css").read_text(encoding="utf-8")
     main = [tiles(episodes), element("h2", "Episodes"), modes_note(episodes), episodes_table(episodes, schema)]
+    if pictures:
+        main += [element("h2", "Before and after"), gallery(episodes, pictures)]
     main += [element("h2", "Chains"), details_section(episodes, schema)]
     if answers:
         main += [element("h2", "Questions to the trace"), answers_section(answers)]

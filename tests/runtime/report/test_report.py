@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+from base64 import b64encode
 from dataclasses import replace
 from html.parser import HTMLParser
 from importlib.resources import files
@@ -178,3 +179,17 @@ def test_a_report_that_cannot_be_written_is_a_problem(tmp_path):
     assert error.value.problems[0].code == "TRC001"
     write_report(tmp_path / "new" / "report.html", [], SCHEMA, [])
     assert (tmp_path / "new" / "report.html").read_text().startswith("<!doctype html>")
+
+
+def test_pictures_stand_side_by_side_with_their_episode():
+    episodes = [samples.accepted(), samples.unresolved()]
+    pairs = [(b"before-1", b"after-1"), (b"before-2", b"after-2")]
+    page = Page(report_html(episodes, SCHEMA, [], pairs))
+    shown = [picture["src"] for picture in page.all("img")]
+    assert shown == [f"data:image/jpeg;base64,{b64encode(data).decode()}" for pair in pairs for data in pair]
+    assert all(picture["alt"].endswith((": before", ": after")) for picture in page.all("img"))
+    assert "Before and after" in page.text
+
+
+def test_a_report_without_pictures_does_not_speak_of_them():
+    assert "Before and after" not in report_html([samples.accepted()], SCHEMA, [])

@@ -1,0 +1,81 @@
+"""Pictures of a state, where the machine can draw one: OpenGL through EGL or OSMesa, without a display."""
+
+from __future__ import annotations
+
+import io
+import os
+import subprocess
+import sys
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+__all__ = ["ADVICE", "Camera", "enable"]
+
+ADVICE = "for pictures: apt-get install libegl-mesa0 libgl1 (or libosmesa6)"
+_BACKENDS = ("egl", "osmesa")
+_PROBE = "import mujoco; mujoco.GLContext(8, 8).make_current()"
+_PROBE_SECONDS = 20
+_SIZE = (288, 384)  # pixels, height and width
+_QUALITY = 88
+
+
+def enable() -> bool:
+    """Choose how MuJoCo draws, and say whether it can; to be called before MuJoCo is imported, which settles it.
+
+    A broken driver can end a process, so another process tries each backend first. A ``MUJOCO_GL`` that is set is kept.
+    """
+    if "MUJOCO_GL" in os.environ or "mujoco" in sys.modules:
+        return os.environ.get("MUJOCO_GL", "disabled").lower() in {*_BACKENDS, "glfw"}
+    for backend in _BACKENDS:
+        chosen = {"MUJOCO_GL": backend, "PYOPENGL_PLATFORM": backend}
+        if _works({**os.environ, **chosen}):
+            os.environ.update(chosen)
+            return True
+    return False
+
+
+def _works(environment: dict[str, str]) -> bool:
+    command = [sys.executable, "-c", _PROBE]
+    try:
+        done = subprocess.run(  # noqa: S603 - our own program
+            command, env=environment, capture_output=True, check=False, timeout=_PROBE_SECONDS
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return False
+    return done.returncode == 0
+
+
+class Camera:
+    """Draws states of one model from a camera of its scene, without shadows and collision geometry."""
+
+    def __init__(self, model: object, name: str = "agentview") -> None:
+        """Set up drawing for ``model``, a ``mujoco.MjModel``; takes about a second, for the textures."""
+        import mujoco  # noqa: PLC0415 - only once its backend was chosen
+
+        self._renderer = mujoco.Renderer(model, *_SIZE)
+        self._name = name
+        self._options = mujoco.MjvOption()
+        self._options.geomgroup[0] = 0
+        self._options.sitegroup[:] = 0
+        self._off = (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION)
+
+    def shoot(self, data: object) -> bytes:
+        """A JPEG of ``data``, a ``mujoco.MjData`` of the same model."""
+        from PIL import Image  # noqa: PLC0415 - comes with the simulator
+
+        self._renderer.update_scene(data, camera=self._name, scene_option=self._options)
+        for flag in self._off:
+            self._renderer.scene.flags[flag] = 0
+        buffer = io.BytesIO()
+        Image.fromarray(np.asarray(self._renderer.render())).save(buffer, "JPEG", quality=_QUALITY)
+        return buffer.getvalue()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._renderer.close()

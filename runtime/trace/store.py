@@ -22,7 +22,7 @@ from runtime.records import Episode
 from runtime.trace.names import RUNS, episode_iri
 from runtime.trace.read import episode_iris, read_episode
 from runtime.trace.sparql import Answer, ask
-from runtime.trace.vocabulary import holds_vocabulary, vocabulary
+from runtime.trace.vocabulary import holds_vocabulary, refresh, vocabulary
 from runtime.trace.write import episode_quads
 
 __all__ = ["FORMATS", "Trace", "TraceStore", "dump", "newest_trace", "open_trace"]
@@ -56,8 +56,7 @@ class TraceStore:
             self._store = Store(str(self.path))
         except (OSError, RuntimeError) as error:
             raise _unwritable(self.path, error) from error
-        if not holds_vocabulary(self._store):
-            self._store.extend(vocabulary(ontology))
+        refresh(self._store, ontology)
 
     def __enter__(self) -> Self:
         return self

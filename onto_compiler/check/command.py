@@ -6,10 +6,12 @@ import argparse
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from onto_compiler.command import CLEAN, FINDINGS, MISUSE, Command, add_format, print_json
-from onto_compiler.problems import Problem, near, render
+from onto_compiler.check.formats import FORMATS, Checked, render
+from onto_compiler.command import CLEAN, FINDINGS, MISUSE, Command, add_format
+from onto_compiler.problems import Problem, near
 
 __all__ = ["CHECK", "EXPLAIN"]
 
@@ -28,7 +30,7 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         default="error",
         help="the least severity that makes the exit code 1 (default: error)",
     )
-    add_format(parser)
+    add_format(parser, *(name for name in FORMATS if name not in {"text", "json"}))
 
 
 def _check(arguments: argparse.Namespace) -> int:
@@ -42,20 +44,16 @@ def _check(arguments: argparse.Namespace) -> int:
     if missing:
         return MISUSE
     report = check(paths)
-    problems = [_relative(problem) for problem in report.problems]
-    if arguments.format == "json":
-        print_json({"problems": [problem.as_dict() for problem in problems]})
-    else:
-        for problem in problems:
-            sys.stdout.write(render(problem, _text(problem.file)) + "\n\n")
+    problems = tuple(_relative(problem) for problem in report.problems)
+    checked = Checked(problems, tuple(_shown(path) for path in report.files), arguments.fail_on)
+    sys.stdout.write(render(arguments.format, checked))
     if problems:
         _say(_summary(problems))
     else:
         seconds = time.perf_counter() - begin
         files = _count(len(report.files), "file")
         _say(f"no problem found in {files} ({report.triples:,} triples), {seconds:.2f} s")
-    counted = problems if arguments.fail_on == "warning" else [p for p in problems if p.severity == "error"]
-    return FINDINGS if counted else CLEAN
+    return FINDINGS if checked.failures else CLEAN
 
 
 def _say(message: str) -> None:
@@ -63,19 +61,16 @@ def _say(message: str) -> None:
 
 
 def _relative(problem: Problem) -> Problem:
-    """The file as seen from the working directory, where it lies below it."""
+    """The problem with its file as people see it."""
+    return replace(problem, file=_shown(problem.file)) if problem.file else problem
+
+
+def _shown(file: Path | str) -> str:
+    """A file as seen from the working directory, where it lies below it."""
     try:
-        file = str(Path(problem.file).relative_to(Path.cwd()))
+        return str(Path(file).relative_to(Path.cwd()))
     except ValueError:
-        return problem
-    return Problem(file, problem.line, problem.column, problem.code, problem.severity, problem.message, problem.hint)
-
-
-def _text(file: str) -> str | None:
-    try:
-        return Path(file).read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError):
-        return None
+        return str(file)
 
 
 def _summary(problems: Sequence[Problem]) -> str:

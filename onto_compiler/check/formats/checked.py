@@ -1,0 +1,42 @@
+"""What a format is given: the problems, the files that were looked at, and what counts as a failure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+from onto_compiler.problems import Problem
+
+__all__ = ["Checked"]
+
+
+@dataclass(frozen=True)
+class Checked:
+    """Problems in file order; ``files`` are all that were checked, clean ones included, as they shall be shown.
+
+    ``texts`` holds the text of files that are not (or not yet) on disk in this form.
+    """
+
+    problems: tuple[Problem, ...]
+    files: tuple[str, ...]
+    fail_on: str = "error"  # "error" | "warning": the least severity that fails
+    texts: dict[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def failures(self) -> tuple[Problem, ...]:
+        """The problems that make the check fail."""
+        return tuple(problem for problem in self.problems if self.fails(problem))
+
+    def fails(self, problem: Problem) -> bool:
+        """Whether ``problem`` is severe enough to fail."""
+        return problem.severity == "error" or self.fail_on == "warning"
+
+    def text(self, file: str) -> str | None:
+        """A file's text, read once; None where it cannot be read."""
+        if file not in self.texts:
+            try:
+                self.texts[file] = Path(file).read_text(encoding="utf-8-sig")
+            except (OSError, UnicodeDecodeError, ValueError):
+                return None
+        return self.texts[file]

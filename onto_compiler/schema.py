@@ -99,6 +99,10 @@ class Schema:
         """Whether class ``cls`` is ``ancestor`` or one of its subclasses."""
         return ancestor in self.classes.get(cls, frozenset((cls,)))
 
+    def threshold(self, iri: str) -> JointThreshold | None:
+        """The joint threshold whose IRI is ``iri``."""
+        return next((found for found in self.thresholds.values() if found.iri == iri), None)
+
     def predicate_named(self, name: str) -> PredicateSignature | None:
         """The predicate whose notation is ``name``, compared without case."""
         folded = name.casefold()

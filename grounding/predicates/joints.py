@@ -45,8 +45,9 @@ def joint_threshold(scene: Scene, fact: Fact, schema: Schema) -> Grounding:
 
 
 def _threshold(fact: Fact, schema: Schema) -> JointThreshold:
-    known = {threshold.iri: threshold for threshold in schema.thresholds.values()}
     iri = fact.arguments[1].type if len(fact.arguments) > 1 else ""
-    if iri not in known:
+    threshold = schema.threshold(iri)
+    if threshold is None:
+        known = [each.iri for each in schema.thresholds.values()]
         raise unsuited(fact, f"`{fact}` names no declared joint threshold", near(iri, known))
-    return known[iri]
+    return threshold

@@ -42,8 +42,7 @@ def threshold_of(schema: Schema, fact: Fact) -> JointThreshold | None:
     """The joint threshold that is the second argument of ``fact``, or None."""
     if len(fact.arguments) != 2:
         return None
-    iri = fact.arguments[1].type
-    return next((t for t in schema.thresholds.values() if t.iri == iri), None)
+    return schema.threshold(fact.arguments[1].type)
 
 
 def slot_of(required: RequiredABox, fact: Fact) -> tuple[int, int]:

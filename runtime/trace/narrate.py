@@ -47,8 +47,8 @@ def unit_of(fact: Fact, schema: Schema) -> str:
     signature = schema.predicates.get(fact.predicate)
     unit = signature.margin_unit if signature else None
     if unit is None:
-        types = {argument.type for argument in fact.arguments}
-        unit = next((t.unit for t in schema.thresholds.values() if t.iri in types), None)
+        thresholds = (schema.threshold(argument.type) for argument in fact.arguments)
+        unit = next((threshold.unit for threshold in thresholds if threshold is not None), None)
     return "" if unit is None else _SYMBOLS.get(local_name(unit), local_name(unit))
 
 

@@ -6,23 +6,11 @@ from collections import Counter
 
 import pytest
 
+from benchmarks.probing import CLOSE, GOAL_TASKS, OTHER_TASKS
+
 pytestmark = pytest.mark.sim
 
-GOAL_TASKS = [("libero_goal", index) for index in range(10)]
-OTHER_TASKS = [
-    ("libero_spatial", 4),  # the bowl lies in a drawer that stands open
-    ("libero_spatial", 5),  # the bowl lies on a ramekin
-    ("libero_object", 0),  # In a basket that can move
-    ("libero_10", 2),  # Turnon, and a pot on the burner
-    ("libero_10", 3),  # In a drawer, and Close
-    ("libero_10", 5),  # In a compartment of a caddy
-    ("libero_10", 6),  # On a table region that stands for a landmark
-    ("libero_10", 9),  # In a microwave, and Close
-    ("libero_90", 35),  # Open a microwave
-    ("libero_90", 39),  # Turnoff
-]
 PREDICATES = {"Close", "In", "On", "Open", "Turnoff", "Turnon"}
-CLOSE = 1e-3
 
 
 @pytest.fixture(scope="module")

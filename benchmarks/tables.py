@@ -79,7 +79,8 @@ def state_repair(result: dict[str, Any]) -> str:
     premises = ", ".join(f"{count} of {task}" for task, count in sorted(odd.items()))
     note = (
         f"Without a correction the native predicate holds in {share:.1%} of the episodes; {m['crashed']} crashed. The "
-        f"premise (the declared `:init`, after settling) was false in {odd.total()} episodes by rule: {premises or 'none'}."
+        f"premise (the declared `:init`, after settling) was false in {odd.total()} episodes by rule: "
+        f"{premises or 'none'}."
     )
     return "\n".join([*lines, "", note, "", _origin(result)])
 
@@ -120,7 +121,8 @@ def grounding(result: dict[str, Any]) -> str:
     note = (
         f"{m['comparisons']} comparisons in {m['states']} states: {m['mismatches']} differences of truth, "
         f"{m['sign_violations']} margins of the wrong sign. In {m['near_true'] + m['near_false']} cases a term lay "
-        f"within 1 mm or 1 mrad of its threshold, {m['near_true']} on the satisfied side and {m['near_false']} on the other."
+        f"within 1 mm or 1 mrad of its threshold, {m['near_true']} on the satisfied side and "
+        f"{m['near_false']} on the other."
     )
     return "\n".join([*lines, "", note, "", _origin(result)])
 

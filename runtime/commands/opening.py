@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from rich.console import Console
 
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
@@ -25,7 +26,10 @@ def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
     knowledge = load_knowledge(*options.ontology)
     proposers = load_proposers(knowledge.schema)
     budget = getattr(options, "budget", None)
-    runner = EpisodeRunner.open(resolve_task(options.task), knowledge, proposers, options.seed, budget)
+    ref = resolve_task(options.task)
+    # A line that moves while MuJoCo compiles; it shows on a terminal only.
+    with Console(stderr=True).status(f"building the scene of {ref.name}"):
+        runner = EpisodeRunner.open(ref, knowledge, proposers, options.seed, budget)
     try:
         yield runner
     finally:

@@ -58,15 +58,19 @@ def graph_of(path: Path) -> NamedNode:
     return NamedNode(path.as_uri())
 
 
-def read_into(store: Store, path: Path) -> list[Problem]:
-    """Load one file into its named graph; return what is wrong with it instead of raising."""
+def read_into(store: Store, path: Path, text: str | None = None) -> list[Problem]:
+    """Load one file into its named graph; return what is wrong with it instead of raising.
+
+    ``text`` takes the place of what is on disk, for a file that is being edited.
+    """
     try:
-        data = path.read_bytes()
+        data = path.read_bytes() if text is None else text.encode()
         data.decode("utf-8")
-        text = data.removeprefix(BOM_UTF8)
-        store.load(text, format=RdfFormat.TURTLE, base_iri=path.as_uri(), to_graph=graph_of(path))
+        store.load(
+            data.removeprefix(BOM_UTF8), format=RdfFormat.TURTLE, base_iri=path.as_uri(), to_graph=graph_of(path)
+        )
     except SyntaxError as error:
-        return [parse_problem(path, error)]
+        return [parse_problem(path, error, text)]
     except UnicodeDecodeError as error:
         before = data[: error.start].decode("utf-8")
         line, column = before.count("\n") + 1, len(before) - before.rfind("\n")
@@ -77,11 +81,11 @@ def read_into(store: Store, path: Path) -> list[Problem]:
     return []
 
 
-def parse_problem(path: Path, error: SyntaxError) -> Problem:
-    """Oxigraph's syntax error as a problem with a place."""
+def parse_problem(path: Path, error: SyntaxError, text: str | None = None) -> Problem:
+    """Oxigraph's syntax error as a problem with a place; ``text`` is the file's, where it is not the one on disk."""
     from onto_compiler.turtle.syntax import syntax_problem  # noqa: PLC0415 - a clean run never needs it
 
-    return syntax_problem(path, error)
+    return syntax_problem(path, error, text)
 
 
 def _unreadable(path: Path, message: str) -> Problem:

@@ -8,10 +8,14 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from onto_compiler.check.formats import FORMATS, Checked, render
 from onto_compiler.command import CLEAN, FINDINGS, MISUSE, Command, add_format
-from onto_compiler.problems import Problem, near
+from onto_compiler.problems import OntoError, Problem, near
+
+if TYPE_CHECKING:
+    from onto_compiler.check.run import Report
 
 __all__ = ["CHECK", "EXPLAIN"]
 
@@ -22,7 +26,7 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         type=Path,
         metavar="PATH",
-        help="Turtle files, or folders of them; without any, the shipped ontology",
+        help="Turtle and BDDL files, or folders of them; without any, the shipped ontology",
     )
     parser.add_argument(
         "--fail-on",
@@ -30,20 +34,35 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         default="error",
         help="the least severity that makes the exit code 1 (default: error)",
     )
+    acting = parser.add_mutually_exclusive_group()
+    acting.add_argument("--fix", action="store_true", help="repair what is mechanical, in the files themselves")
+    acting.add_argument("--diff", action="store_true", help="print what --fix would change, and change nothing")
+    acting.add_argument("--watch", action="store_true", help="check again whenever a file changes, until Ctrl-C")
     add_format(parser, *(name for name in FORMATS if name not in {"text", "json"}))
 
 
 def _check(arguments: argparse.Namespace) -> int:
-    from onto_compiler.check.run import check  # noqa: PLC0415 - `onto --help` stays quick
-
-    begin = time.perf_counter()
     paths: Sequence[Path] = arguments.paths
     missing = [path for path in paths if not path.exists()]
     for path in missing:
         _say(f"onto check: `{path}` does not exist")
     if missing:
         return MISUSE
-    report = check(paths)
+    if (arguments.fix or arguments.diff) and not paths:
+        raise OntoError.of("CLI002", "the shipped ontology is not repaired in place", "say which files to repair")
+    if arguments.watch:
+        return _watch(arguments)
+    return _fix(arguments) if arguments.fix or arguments.diff else _once(arguments)
+
+
+def _once(arguments: argparse.Namespace) -> int:
+    from onto_compiler.check.run import check  # noqa: PLC0415 - `onto --help` stays quick
+
+    begin = time.perf_counter()
+    return _print(arguments, check(arguments.paths), begin)
+
+
+def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
     problems = tuple(_relative(problem) for problem in report.problems)
     checked = Checked(problems, tuple(_shown(path) for path in report.files), arguments.fail_on)
     sys.stdout.write(render(arguments.format, checked))
@@ -54,6 +73,39 @@ def _check(arguments: argparse.Namespace) -> int:
         files = _count(len(report.files), "file")
         _say(f"no problem found in {files} ({report.triples:,} triples), {seconds:.2f} s")
     return FINDINGS if checked.failures else CLEAN
+
+
+def _fix(arguments: argparse.Namespace) -> int:
+    from onto_compiler.check.fix import diff, fix, write  # noqa: PLC0415 - as above
+
+    begin = time.perf_counter()
+    fixed = fix(arguments.paths)
+    if arguments.diff:
+        sys.stdout.write(diff(fixed, {path: _shown(path) for path in fixed.after}))
+        _say(f"{_count(len(fixed.edits), 'repair')} in {_count(len(fixed.after), 'file')} would be made")
+        return FINDINGS if fixed.edits else CLEAN
+    write(fixed)
+    for edit in fixed.edits:
+        place = f"{_shown(edit.problem.file)}:{edit.problem.line}:{edit.problem.column}"
+        _say(f"{place}: {edit.done} [{edit.problem.code}]")
+    return _print(arguments, fixed.report, begin)
+
+
+def _watch(arguments: argparse.Namespace) -> int:
+    import ontology  # noqa: PLC0415 - as above
+    from onto_compiler.check.watch import changes  # noqa: PLC0415
+
+    code = CLEAN
+    try:
+        for changed in changes(arguments.paths or [ontology.ROOT]):
+            if changed:
+                _say(f"\n{', '.join(_shown(path.resolve()) for path in changed)} changed")
+            code = _once(arguments)
+            sys.stdout.flush()
+            _say("watching; Ctrl-C ends")
+    except KeyboardInterrupt:
+        _say("")
+    return code
 
 
 def _say(message: str) -> None:

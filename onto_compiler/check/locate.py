@@ -14,7 +14,7 @@ from onto_compiler.check.model import Model
 from onto_compiler.problems import Problem, Span, near
 from onto_compiler.rdf import RDF, shorten
 from onto_compiler.sources import graph_of
-from onto_compiler.turtle.source_map import Located, SourceMap, canonical, read_map
+from onto_compiler.turtle.source_map import Located, SourceMap, canonical, map_text
 
 __all__ = ["locate"]
 
@@ -31,7 +31,7 @@ def locate(model: Model, findings: Iterable[Finding]) -> tuple[Problem, ...]:
     for finding in findings:
         for path in _paths(model, finding):
             if path not in maps:
-                maps[path] = read_map(path)
+                maps[path] = map_text(model.text(path), str(path), path.as_uri())
             key = (path, finding.subject, finding.predicate, finding.object)
             waiting.append((key, finding, maps[path]))
             if not finding.general:

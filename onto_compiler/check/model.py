@@ -57,10 +57,11 @@ class Model:
         return self.texts[path]
 
 
-def load_model(paths: Sequence[Path | str] = ()) -> Model:
+def load_model(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None) -> Model:
     """Load ``paths`` with the shipped ontology behind them; without paths, the shipped ontology is what is reported on.
 
     A given file that declares the same ``owl:Ontology`` as a shipped one takes its place, so that a copy can be edited.
+    ``texts`` holds what some of the files (by resolved path) are to be, where that is not what is on disk.
 
     Raises:
         OntoError: TTL0nn, for every file that is missing or is not Turtle.
@@ -70,8 +71,9 @@ def load_model(paths: Sequence[Path | str] = ()) -> Model:
     files = collect(paths) if paths else shipped
     store = Store()
     problems: list[Problem] = []
+    texts = texts or {}
     for path in files:
-        problems += read_into(store, path)
+        problems += read_into(store, path, texts.get(path))
     if problems:
         raise OntoError(*problems)
     declared = {quad.subject for quad in store.quads_for_pattern(None, *_IS_ONTOLOGY, None)}
@@ -87,4 +89,4 @@ def load_model(paths: Sequence[Path | str] = ()) -> Model:
             background.append(path)
     if problems:
         raise OntoError(*problems)
-    return Model(store, tuple(files), tuple(background))
+    return Model(store, tuple(files), tuple(background), dict(texts))

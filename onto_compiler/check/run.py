@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -31,14 +31,14 @@ class Report:
     triples: int
 
 
-def check(paths: Sequence[Path | str] = ()) -> Report:
-    """Check ``paths`` before the shipped ontology, or the shipped ontology itself.
+def check(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None) -> Report:
+    """Check ``paths`` before the shipped ontology, or the shipped ontology itself; ``texts`` as :func:`load_model`.
 
     A file that is missing or is not Turtle is a problem as any other; nothing else is then checked, because what such a
     file would have declared is not known.
     """
     try:
-        model = load_model(paths)
+        model = load_model(paths, texts)
     except OntoError as error:
         return Report(error.problems, tuple(dict.fromkeys(Path(problem.file) for problem in error.problems)), 0)
     return Report(check_model(model), model.files, model.triples)

@@ -19,9 +19,10 @@ _EXPECTED = {"RDF object": "an object", "predicate": "a predicate", "subject or 
 _PAIRS = {"[": "]", "(": ")"}
 
 
-def syntax_problem(path: Path, error: SyntaxError) -> Problem:
+def syntax_problem(path: Path, error: SyntaxError, text: str | None = None) -> Problem:
     """The fault that stopped Oxigraph in ``path``, as the narrowest code that fits (TTL001 where none does)."""
-    source = Source(str(path), path.read_bytes().decode("utf-8", errors="replace").removeprefix("\ufeff"))
+    text = path.read_bytes().decode("utf-8", errors="replace") if text is None else text
+    source = Source(str(path), text.removeprefix("\ufeff"))
     message = re.sub(r"^Parser error (at|between) line .*?: ", "", str(error.msg or error))
     line, column = error.lineno or 0, error.offset or 0
     if not line and (place := _PLACE.search(str(error))):

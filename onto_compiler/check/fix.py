@@ -1,0 +1,89 @@
+"""``onto check --fix``: repair what is mechanical until nothing mechanical is left, in memory first, then on disk."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pyoxigraph import Store
+
+from onto_compiler.check.edits import Edit, apply, edits
+from onto_compiler.check.model import load_model
+from onto_compiler.check.run import Report, check, check_model
+from onto_compiler.problems import OntoError, Problem
+from onto_compiler.sources import read_into
+
+__all__ = ["Fixed", "diff", "fix", "write"]
+
+_ROUNDS = 20  # a repair may show another problem (a prefix that its term was the last to use); this ends all circles
+
+
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    """What was done, the texts that resulted, and what is left to a person."""
+
+    edits: tuple[Edit, ...]
+    before: Mapping[Path, str]
+    after: Mapping[Path, str]  # as ``before``: changed files only
+    report: Report
+
+
+def fix(paths: Sequence[Path | str]) -> Fixed:
+    """Repair ``paths`` in memory; nothing is written. Files that are not Turtle stay as they are."""
+    before: dict[Path, str] = {}
+    after: dict[Path, str] = {}
+    done: list[Edit] = []
+    for _ in range(_ROUNDS):
+        try:
+            model = load_model(paths, after)
+        except OntoError:
+            break
+        problems = check_model(model)
+        changed = False
+        for path in model.files:
+            found = edits(model, path, [problem for problem in problems if problem.file == str(path)])
+            text = apply(model.text(path), found)
+            if found and not read_into(Store(), path, text):
+                before.setdefault(path, model.text(path))
+                after[path] = text
+                done += found
+                changed = True
+        if not changed:
+            return Fixed(tuple(done), before, after, Report(problems, model.files, model.triples))
+    return Fixed(tuple(done), before, after, check(paths, after))
+
+
+def diff(fixed: Fixed, shown: Mapping[Path, str]) -> str:
+    """The changes as a unified diff, each file under the name that ``shown`` gives it."""
+    lines: list[str] = []
+    for path in sorted(fixed.after):
+        old, new = (text.splitlines(keepends=True) for text in (fixed.before[path], fixed.after[path]))
+        changed = difflib.unified_diff(old, new, shown[path], shown[path])
+        lines += (line if line.endswith("\n") else f"{line}\n\\ No newline at end of file\n" for line in changed)
+    return "".join(lines)
+
+
+def write(fixed: Fixed) -> None:
+    """Write the changed files, each with the byte-order mark and the line ends that it had.
+
+    Raises:
+        OntoError: FIX001, for every file that cannot be written.
+
+    """
+    faults: list[Problem] = []
+    for path, text in fixed.after.items():
+        mark = b"\xef\xbb\xbf"
+        try:
+            start = mark if path.read_bytes().startswith(mark) else b""
+            path.write_bytes(start + text.encode())
+        except OSError as error:
+            faults += OntoError.of(
+                "FIX001",
+                f"cannot write `{path.name}`: {error.strerror or error}",
+                "make the file writable, or see the changes with `--diff`",
+                str(path),
+            ).problems
+    if faults:
+        raise OntoError(*faults)

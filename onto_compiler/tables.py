@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
-from typing import TypeVar, cast
+from typing import cast
 
 from pyoxigraph import NamedNode, Quad, QuerySolutions, Store
 
@@ -28,6 +28,7 @@ __all__ = [
     "SATISFIED",
     "STATUSES",
     "DiagnosisEntry",
+    "Disagreement",
     "RouteEntry",
     "RuleTables",
     "compile_tables",
@@ -50,8 +51,6 @@ SELECT ?this ?route ?decision ?rule WHERE {
 
 DiagnosisKey = tuple[str, bool, str]  # predicate, polarity, status
 RouteKey = tuple[str, str, str, str | None]  # predicate, failure, attempt status, previous route
-Key = TypeVar("Key")
-Entry = TypeVar("Entry")
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,8 +82,19 @@ class RuleTables:
     routing: Mapping[RouteKey, RouteEntry]
 
 
-def compile_tables(store: Store, schema: Schema) -> RuleTables:
+@dataclass(frozen=True, slots=True)
+class Disagreement:
+    """Two conclusions of one combination; the table holds the first."""
+
+    key: DiagnosisKey | RouteKey
+    first: DiagnosisEntry | RouteEntry
+    second: DiagnosisEntry | RouteEntry
+
+
+def compile_tables(store: Store, schema: Schema, disagreements: list[Disagreement] | None = None) -> RuleTables:
     """Run the rules of ``store`` over every combination that ``schema`` allows; ``store`` itself stays as it is.
+
+    Given a list, disagreements are added to it and do not raise.
 
     Raises:
         OntoError: RUN002, where two rules conclude different things of the same combination.
@@ -92,12 +102,24 @@ def compile_tables(store: Store, schema: Schema) -> RuleTables:
     scratch = Store()
     scratch.extend(iter(store))
     rules = read_rules(scratch)
-    diagnosis = _diagnose(scratch, rules, schema)
-    routing = _route(scratch, rules, schema, diagnosis)
+    found: list[Disagreement] = []
+    diagnosis = _diagnose(scratch, rules, schema, found)
+    routing = _route(scratch, rules, schema, diagnosis, found)
+    if disagreements is not None:
+        disagreements += found
+    elif found:
+        first = found[0]
+        raise OntoError.of(
+            "RUN002",
+            f"rules disagree on {first.key}: {first.first} and {first.second}",
+            "let the two rules exclude each other",
+        )
     return RuleTables(diagnosis=diagnosis, routing=routing)
 
 
-def _diagnose(scratch: Store, rules: tuple[Rule, ...], schema: Schema) -> dict[DiagnosisKey, DiagnosisEntry]:
+def _diagnose(
+    scratch: Store, rules: tuple[Rule, ...], schema: Schema, disagreements: list[Disagreement]
+) -> dict[DiagnosisKey, DiagnosisEntry]:
     cases: dict[NamedNode, DiagnosisKey] = {}
     for number, key in enumerate(product(schema.predicates, (True, False), STATUSES)):
         cases[case := NamedNode(f"{_CASES.value}:observed:{number}")] = key
@@ -106,12 +128,18 @@ def _diagnose(scratch: Store, rules: tuple[Rule, ...], schema: Schema) -> dict[D
     found: dict[DiagnosisKey, DiagnosisEntry] = {}
     for this, failure, rule, priority in _table(scratch, _DIAGNOSED, ("failure", "rule", "priority")):
         if this in cases:
-            _put(found, cases[this], DiagnosisEntry(failure, rule, int(priority or 1000)))
+            entry = DiagnosisEntry(failure, rule, int(priority or 1000))
+            if (earlier := found.setdefault(cases[this], entry)) != entry:
+                disagreements.append(Disagreement(cases[this], earlier, entry))
     return found
 
 
 def _route(
-    scratch: Store, rules: tuple[Rule, ...], schema: Schema, diagnosis: Mapping[DiagnosisKey, DiagnosisEntry]
+    scratch: Store,
+    rules: tuple[Rule, ...],
+    schema: Schema,
+    diagnosis: Mapping[DiagnosisKey, DiagnosisEntry],
+    disagreements: list[Disagreement],
 ) -> dict[RouteKey, RouteEntry]:
     pairs = sorted({(predicate, entry.failure) for (predicate, _, _), entry in diagnosis.items()})
     cases: dict[NamedNode, RouteKey] = {}
@@ -123,7 +151,9 @@ def _route(
     found: dict[RouteKey, RouteEntry] = {}
     for this, route, decision, rule in _table(scratch, _ROUTED, ("route", "decision", "rule")):
         if this in cases:
-            _put(found, cases[this], RouteEntry(route, decision, rule))
+            chosen = RouteEntry(route, decision, rule)
+            if (earlier := found.setdefault(cases[this], chosen)) != chosen:
+                disagreements.append(Disagreement(cases[this], earlier, chosen))
     return found
 
 
@@ -151,11 +181,3 @@ def _table(store: Store, query: str, names: Iterable[str]) -> Iterator[tuple[Nam
     for row in cast("QuerySolutions", store.query(prologue() + query, use_default_graph_as_union=True)):
         values = tuple("" if row[name] is None else row[name].value for name in names)
         yield (cast("NamedNode", row["this"]), *values)  # type: ignore[misc]
-
-
-def _put(table: dict[Key, Entry], key: Key, entry: Entry) -> None:
-    earlier = table.setdefault(key, entry)
-    if earlier != entry:
-        raise OntoError.of(
-            "RUN002", f"rules disagree on {key}: {earlier} and {entry}", "let the two rules exclude each other"
-        )

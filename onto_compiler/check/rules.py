@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pyoxigraph import Literal, NamedNode, QueryTriples, Store
 
+from onto_compiler.check.agreement import check_agreement
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.model import Model
 from onto_compiler.check.patterns import Construct, Name, Step, read_construct
@@ -44,7 +45,11 @@ SELECT ?class ?priority WHERE {
     ?class rdfs:subClassOf+ core:PredicateFailure FILTER NOT EXISTS { ?narrower rdfs:subClassOf ?class }
     OPTIONAL { ?class core:priority ?priority } }"""
 _KINDS = "SELECT ?class ?above WHERE { ?class rdfs:subClassOf* ?above . ?above rdfs:subClassOf* core:Predicate }"
-_ROUTES = "SELECT ?failure ?kind WHERE { ?route core:admits ?failure ; core:supports ?kind }"
+_ROUTES = """
+SELECT ?failure ?kind ?residual WHERE {
+    ?route core:admits ?failure ; core:supports ?kind
+    BIND (EXISTS { ?route a core:ResidualRoute } AS ?residual) }"""
+_USED_KINDS = "SELECT DISTINCT ?kind WHERE { ?predicate a ?kind . ?kind rdfs:subClassOf+ core:Predicate }"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +91,8 @@ def check_rules(model: Model) -> Iterator[Finding]:
             sound.append(rule)
     if not sound:
         return
+    if len(sound) == len(rules):
+        yield from check_agreement(model)
     yield from _undeclared(model, sound)
     yield from _conclusions(model, sound)
     yield from _restrictions(model, sound)
@@ -264,19 +271,21 @@ def _unrouted(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
     for row in model.rows(_KINDS):
         above.setdefault(_text(row["class"]), set()).add(_text(row["above"]))
     failures = {_text(row["class"]) for row in model.rows(_FAILURES)}
-    routed = {(_text(row["failure"]), _text(row["kind"])) for row in model.rows(_ROUTES)}
-    admitted = {failure for failure, _ in routed}
+    routes = [(_text(row["failure"]), _text(row["kind"]), _text(row["residual"])) for row in model.rows(_ROUTES)]
+    admitted = {failure for failure, _, _ in routes}
+    routed = {(failure, kind) for failure, kind, residual in routes if residual == "false"}
+    used = sorted(_text(row["kind"]) for row in model.rows(_USED_KINDS))
     for rule in rules:
-        kinds = [name for name in rule.query.names if name.iri in above]
+        kinds = {name.iri: name for name in rule.query.names if name.iri in above}
         for step in rule.query.writes:
             if step.predicate.iri != _FAILURE_CLASS or step.object not in failures:
                 continue
             if step.object not in admitted:
                 yield _no_route(rule, step, None)
                 continue
-            for kind in kinds:
-                if not any((step.object, wider) in routed for wider in above[kind.iri]):
-                    yield _no_route(rule, step, kind)
+            for kind in kinds or used:  # a rule that names no kind concludes its failure of all
+                if not any((step.object, wider) in routed for wider in above[kind]):
+                    yield _no_route(rule, step, kind, kinds.get(kind))
 
 
 def _never_concluded(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
@@ -292,11 +301,13 @@ def _never_concluded(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
             )
 
 
-def _no_route(rule: _Rule, step: Step, kind: Name | None) -> Finding:
-    of = f" of a `{kind.token.text}`" if kind else ""
-    return rule.finding(
+def _no_route(rule: _Rule, step: Step, kind: str | None, named: Name | None = None) -> Finding:
+    found = rule.finding(
         "RTE006",
-        f"no route takes the failure `{step.at_object.text}`{of} that `{{subject}}` concludes",
-        "let a route admit the failure class (core:admits) and support the kind of predicate (core:supports)",
-        kind.token if kind else step.at_object,
+        f"no first route takes the failure `{step.at_object.text}`{' of a `{kind}`' if kind else ''} "
+        "that `{subject}` concludes",
+        "let a route that is no core:ResidualRoute admit the failure class (core:admits) and support the kind of "
+        "predicate (core:supports)",
+        named.token if named else step.at_object,
     )
+    return replace(found, values={**found.values, "kind": NamedNode(kind)}) if kind else found

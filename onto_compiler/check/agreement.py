@@ -1,0 +1,83 @@
+"""Whether the rules agree: run over every case that a required fact can be in, two of them may not conclude otherwise.
+
+The cases are those of :mod:`onto_compiler.tables`, which refuses such rules when a task is diagnosed; here each rule is
+named, with the case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pyoxigraph import NamedNode
+
+from onto_compiler.check.finding import Finding, Term
+from onto_compiler.check.model import Model
+from onto_compiler.compile_schema import compile_schema
+from onto_compiler.problems import OntoError
+from onto_compiler.rdf import CORE, RDFS, SH, shorten
+from onto_compiler.schema import local_name
+from onto_compiler.tables import DiagnosisEntry, Disagreement, RouteEntry, compile_tables
+
+__all__ = ["check_agreement"]
+
+_MAY_DISTURB = tuple(
+    NamedNode(iri)
+    for iri in (SH + "construct", CORE + "admits", CORE + "onRejection", CORE + "arity", RDFS + "subClassOf")
+)
+
+
+def check_agreement(model: Model) -> Iterator[Finding]:
+    """Pairs of rules with different conclusions; nothing is run where no reported file can have changed any."""
+    if not any(
+        next(model.store.quads_for_pattern(None, predicate, None, graph), None) is not None
+        for graph in model.graphs
+        for predicate in _MAY_DISTURB
+    ):
+        return
+    disagreements: list[Disagreement] = []
+    try:
+        compile_tables(model.store, compile_schema(model.store), disagreements)
+    except (OntoError, ValueError):  # a declaration that does not compile is a finding of another check
+        return
+    cases: dict[tuple[object, ...], list[Disagreement]] = {}
+    for one in disagreements:
+        cases.setdefault(one.key, []).append(one)
+    seen = set()
+    for together in cases.values():
+        # Conclusions meet at one node, so that each rule seems to have concluded what any of them did.
+        entries = [entry for one in together for entry in (one.first, one.second)]
+        rules = tuple(sorted({entry.rule for entry in entries}))
+        if rules not in seen:
+            seen.add(rules)
+            yield from _findings(together[0], rules, sorted({_conclusion(entry) for entry in entries}))
+
+
+def _findings(one: Disagreement, rules: tuple[str, ...], conclusions: list[str]) -> Iterator[Finding]:
+    for rule in rules:
+        others = [other for other in rules if other != rule]
+        values: dict[str, Term | str] = {
+            "others": " and ".join(f"`{shorten(other)}`" for other in others),
+            "conclusions": " and ".join(f"`{shorten(each)}`" for each in conclusions),
+            "fact": NamedNode(one.key[0]),
+        }
+        beside = " and {others} conclude" if others else " concludes"
+        yield Finding(
+            "RUL015",
+            "error",
+            f"`{{subject}}`{beside} {{conclusions}} of one `{{fact}}` {_case(one)}",
+            "let the rules exclude each other by kind, polarity or status",
+            NamedNode(rule),
+            NamedNode(SH + "construct"),
+            values=values,
+        )
+
+
+def _conclusion(entry: DiagnosisEntry | RouteEntry) -> str:
+    return entry.route if isinstance(entry, RouteEntry) else entry.failure
+
+
+def _case(one: Disagreement) -> str:
+    key = one.key
+    if isinstance(key[1], bool):
+        return f"{'required to hold' if key[1] else 'required not to hold'}, with status {local_name(str(key[2]))}"
+    return f"with failure {local_name(key[1])}, at {local_name(str(key[2]))}"

@@ -35,7 +35,9 @@ def test_ctrl_c_ends_it_without_a_traceback(tmp_path):
     path = tmp_path / "x.ttl"
     path.write_text("<https://e.org/a> <https://e.org/b> <https://e.org/c> .\n")
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    program = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
+    # A shell that runs the tests in the background lets its children ignore SIGINT.
+    hear = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+    program = f"{hear}import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
     process = subprocess.Popen(
         [sys.executable, "-c", program, "check", str(path), "--watch"],
         stdout=subprocess.PIPE,

@@ -17,7 +17,9 @@ from runtime.simulator.assets import find_task, initial_states
 from runtime.trace.store import open_trace
 
 pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
-PROGRAM = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
+# A shell that runs the tests in the background lets its children ignore SIGINT.
+HEAR = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+PROGRAM = HEAR + "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
 INTERRUPTED = 130
 
 

@@ -19,6 +19,7 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import PREFIXES, RDF, TRACE, node
 from onto_compiler.schema import Schema
 from runtime.records import Episode
+from runtime.trace.admission import record_validator, refuse_invalid
 from runtime.trace.names import RUNS, episode_iri
 from runtime.trace.read import episode_iris, read_episode
 from runtime.trace.sparql import Answer, ask
@@ -41,16 +42,19 @@ _COPIES = 3  # how often a copy of a store that is being written is tried
 class TraceStore:
     """A store on disk that one process fills, an episode at a time, for one ``run``.
 
-    It also holds the ontology, so that a query can follow superclasses, units and labels at any SPARQL endpoint.
+    It also holds the ontology, so that a query can follow superclasses, units and labels at any SPARQL endpoint. A
+    record that does not conform to the ontology's shapes is refused.
     """
 
     def __init__(self, path: Path | str, schema: Schema, run: str, *, ontology: Sequence[Path | str] = ()) -> None:
         """Open or create the store in the folder ``path``.
 
         Raises:
-            OntoError: TRC001, where the folder cannot be written or another process has it open.
+            OntoError: TRC001, where the folder cannot be written or another process has it open; SHP002, where a shape
+                in ``ontology`` cannot run.
         """
         self.path, self.schema, self.run = Path(path), schema, run
+        self._validator = record_validator(ontology)
         try:
             self.path.mkdir(parents=True, exist_ok=True)
             self._store = Store(str(self.path))
@@ -82,10 +86,12 @@ class TraceStore:
         """Record ``episode`` in one transaction, in place of an earlier record of the same name; return its IRI.
 
         Raises:
-            OntoError: TRC001, where the folder can no longer be written.
+            OntoError: TRC001, where the folder can no longer be written; a shape's code (ABX001 to ABX004, SHP001)
+                where a record does not conform, and then nothing is written.
         """
         iri = episode_iri(self.run, episode.suite, episode.task, episode.state_index)
         quads = list(episode_quads(episode, self.schema, self.run))
+        refuse_invalid(self._validator, quads)
         try:
             if self.has(episode.suite, episode.task, episode.state_index):
                 self._store.update(_replacement(_graphs(self._store, iri), quads))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from math import isnan
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad
@@ -62,7 +63,7 @@ def episode_quads(episode: Episode, schema: Schema, run: str) -> Iterator[Quad]:
         graphs += [
             (observed, _observation(observed, required, facts, attempt.observation)),
             (observed, _origin(observed, maker, required, earlier)),
-            (iri, _attempt(iri, top, attempt, maker, routes)),
+            (iri, _attempt(iri, top, attempt, maker, routes, _Required(facts, thresholds))),
         ]
         earlier, maker = observed, iri
     final = f"{top}/final"
@@ -211,7 +212,9 @@ def _observation(iri: str, required: str, facts: Sequence[Fact], observation: Ob
         yield from _link(member, _DERIVED, f"{required}/fact/{index}")
 
 
-def _attempt(iri: str, top: str, attempt: Attempt, earlier: str, routes: Mapping[str, str]) -> Iterator[Statement]:
+def _attempt(
+    iri: str, top: str, attempt: Attempt, earlier: str, routes: Mapping[str, str], required: _Required
+) -> Iterator[Statement]:
     observed = f"{top}/observed/{attempt.index}"
     failed = attempt.application is not None and attempt.verification is not None and not attempt.verification.outcome
     diagnoses = [f"{iri}/diagnosis/{i}" for i in range(len(attempt.diagnoses))]
@@ -235,10 +238,10 @@ def _attempt(iri: str, top: str, attempt: Attempt, earlier: str, routes: Mapping
     for index, (name, diagnosis) in enumerate(zip(diagnoses, attempt.diagnoses, strict=True)):
         if _same(diagnosis, attempt.selected.diagnosis):
             chosen = name
-        yield from _diagnosis(name, top, observed, index, diagnosis)
+        yield from _diagnosis(name, top, observed, index, diagnosis, required)
         yield from _link(name, _GENERATED, iri)
     if chosen not in diagnoses:
-        yield from _diagnosis(chosen, top, observed, len(diagnoses), attempt.selected.diagnosis)
+        yield from _diagnosis(chosen, top, observed, len(diagnoses), attempt.selected.diagnosis, required)
         yield from _link(chosen, _GENERATED, iri)
     yield from _decision(f"{iri}/decision", chosen, attempt.selected)
     yield from _link(f"{iri}/decision", _GENERATED, iri)
@@ -251,16 +254,36 @@ def _attempt(iri: str, top: str, attempt: Attempt, earlier: str, routes: Mapping
         yield from _link(verification, _DERIVED, f"{iri}/proposal" if attempt.application else f"{iri}/decision")
 
 
+@dataclass(frozen=True, slots=True)
+class _Required:
+    """The facts that an episode requires, and the IRIs of thresholds, which are no entities of a scene."""
+
+    facts: Sequence[Fact]
+    thresholds: frozenset[str]
+
+    def holds(self, diagnosis: Diagnosis) -> bool:
+        """Whether the diagnosis keeps, whole, the fact that its index names."""
+        index, fact = diagnosis.index, diagnosis.fact
+        return 0 <= index < len(self.facts) and (self.facts[index] is fact or self.facts[index] == fact)
+
+
 def _same(left: Diagnosis, right: Diagnosis) -> bool:
     """Equality under which two undefined margins are equal."""
     return left is right or repr(left) == repr(right)
 
 
-def _diagnosis(iri: str, top: str, observed: str, index: int, diagnosis: Diagnosis) -> Iterator[Statement]:
+def _diagnosis(
+    iri: str, top: str, observed: str, index: int, diagnosis: Diagnosis, required: _Required
+) -> Iterator[Statement]:
+    fact = f"{top}/required/fact/{diagnosis.index}"
+    if not required.holds(diagnosis):
+        # A diagnosis of another fact says so, and the shapes refuse it (ABX002).
+        fact = f"{iri}/fact/0"
+        yield from _facts(iri, top, (diagnosis.fact,), required.thresholds)
     yield from _describe(
         iri,
         [TRACE + "Diagnosis", diagnosis.failure],
-        core_fact=node(f"{top}/required/fact/{diagnosis.index}"),
+        core_fact=node(fact),
         core_failureClass=node(diagnosis.failure),
         core_status=node(diagnosis.status),
         core_truth=diagnosis.truth,

@@ -1,0 +1,100 @@
+"""``onto schema``: printing, writing, and holding the kept files fresh."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from onto_compiler.command import CLEAN, FINDINGS, MISUSE
+from onto_compiler.emit import OUTPUTS, emit
+from onto_compiler.emit.tbox import read_tbox
+from runtime.cli import main
+
+ROOT = Path(__file__).resolve().parents[3]
+TABLE = '[tool.onto.schema]\nontology = ["served.ttl"]\nshacl = "made/shapes.ttl"\npython = "predicates.py"\n'
+
+
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    (tmp_path / "pyproject.toml").write_text(TABLE)
+    shutil.copy(ROOT / "docs/examples/served.ttl", tmp_path)
+    (tmp_path / "below").mkdir()
+    monkeypatch.chdir(tmp_path / "below")
+    return tmp_path
+
+
+def test_the_files_of_this_project_are_fresh(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    assert main(["schema", "--check", "--json"]) == CLEAN
+    files = json.loads(capsys.readouterr().out)["files"]
+    assert [row["output"] for row in files] == list(OUTPUTS)
+    assert all(Path(row["file"]).parent == ROOT / "schema" for row in files)
+
+
+def test_an_output_is_printed_or_written(capsys, tmp_path):
+    assert main(["schema", "--emit", "mermaid"]) == CLEAN
+    text = capsys.readouterr().out
+    assert text == emit("mermaid", read_tbox())
+    assert main(["schema", "--emit", "mermaid", "--output", str(tmp_path / "new/page.md")]) == CLEAN
+    assert (tmp_path / "new/page.md").read_text() == text
+    assert capsys.readouterr().out == ""
+
+
+def test_missing_fresh_and_stale_files_are_told_apart(project, capsys):
+    assert main(["schema", "--check", "--json"]) == FINDINGS
+    record = json.loads(capsys.readouterr().out)
+    assert [row["state"] for row in record["files"]] == ["missing", "missing"]
+    assert [problem["code"] for problem in record["problems"]] == ["SCH003", "SCH003"]
+    assert main(["schema", "--write"]) == CLEAN
+    assert main(["schema", "--check"]) == CLEAN
+    assert "2 of 2 generated files were fresh" in capsys.readouterr().err
+    changed = (project / "served.ttl").read_text().replace("man:Object ; core:range", "man:Landmark ; core:range")
+    (project / "served.ttl").write_text(changed)
+    assert main(["schema", "--check"]) == FINDINGS
+    out = capsys.readouterr().out
+    assert "error[SCH003]: `shapes.ttl` is not what the ontology generates now" in out
+    assert out.count("SCH003") == 2
+
+
+def test_a_fresh_file_is_not_written_again(project, capsys):
+    main(["schema", "--write"])
+    before = (project / "made/shapes.ttl").stat().st_mtime_ns
+    capsys.readouterr()
+    assert main(["schema", "--write"]) == CLEAN
+    assert capsys.readouterr().out == ""
+    assert (project / "made/shapes.ttl").stat().st_mtime_ns == before
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ("", "no table"),
+        ("[tool.onto.schema]\nontology = []\n", "no table"),
+        ("[tool.onto]\nschema = 3\n", "no table"),
+        ("[tool]\nonto = 3\n", "cannot be read"),
+        ('[tool.onto.schema]\nshackl = "a.ttl"\n', "did you mean `shacl`?"),
+        ("[tool.onto.schema]\nshacl = 3\n", "is no path"),
+        ('[tool.onto.schema]\nshacl = "a.ttl"\nontology = "b.ttl"\n', "is no list of paths"),
+        ("[tool.onto.schema\n", "cannot be read"),
+    ],
+)
+def test_a_table_that_cannot_be_used_is_a_problem(table, said, tmp_path, monkeypatch, capsys):
+    (tmp_path / "pyproject.toml").write_text(table)
+    monkeypatch.chdir(tmp_path)
+    assert main(["schema", "--check"]) == MISUSE
+    err = capsys.readouterr().err
+    assert "SCH002" in err
+    assert said in err
+
+
+def test_a_file_that_cannot_be_written_is_a_problem(tmp_path, capsys):
+    (tmp_path / "file").write_text("")
+    assert main(["schema", "--emit", "python", "--output", str(tmp_path / "file/below.py")]) == MISUSE
+    assert "SCH004" in capsys.readouterr().err
+
+
+def test_a_broken_ontology_is_a_problem(tmp_path, capsys):
+    (tmp_path / "broken.ttl").write_text("ex:a a")
+    assert main(["schema", "--emit", "python", "--ontology", str(tmp_path)]) == MISUSE
+    assert "TTL" in capsys.readouterr().err

@@ -1,0 +1,293 @@
+"""The generated shapes accept what the loop records, refuse what is mutated, and agree with those written by hand."""
+
+import pytest
+from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, Store, serialize
+from pyshacl import validate as pyshacl_validate
+from rdflib import Graph
+from rdflib.namespace import SH
+
+from onto_compiler.check.run import check
+from onto_compiler.emit.shacl import emit
+from onto_compiler.emit.tbox import read_tbox
+from onto_compiler.rdf import BASE, CORE, MAN, RDF, TRACE, XSD
+from onto_compiler.shapes import compile_shapes, validate
+from onto_compiler.sources import load_store
+from runtime.trace.write import episode_quads
+from tests.runtime.trace.samples import accepted, all_samples
+from tests.strategies import SCHEMA
+
+TYPE = NamedNode(RDF + "type")
+PREFIXES = """
+@prefix core: <https://w3id.org/onto-evwm/core#> . @prefix owl: <http://www.w3.org/2002/07/owl#> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> . @prefix xsd: <http://www.w3.org/2001/XMLSchema#> .
+@prefix ex: <https://example.org/e#> .
+"""
+
+
+def rdflib_graph(quads):
+    text = serialize({quad.triple for quad in quads}, format=RdfFormat.N_TRIPLES)
+    return Graph().parse(data=text, format="nt")
+
+
+@pytest.fixture(scope="module")
+def shapes():
+    return Graph().parse(data=emit(read_tbox()), format="turtle")
+
+
+@pytest.fixture(scope="module")
+def vocabulary():
+    return list(load_store())
+
+
+def violations(quads, shapes):
+    """(focus, local name of the component) of every result of pySHACL."""
+    _, report, _ = pyshacl_validate(rdflib_graph(quads), shacl_graph=shapes)
+    return {
+        (str(report.value(r, SH.focusNode)), str(report.value(r, SH.sourceConstraintComponent)).rpartition("#")[2])
+        for r in report.objects(None, SH.result)
+    }
+
+
+def test_the_shapes_are_turtle_that_onto_check_accepts(tmp_path):
+    file = tmp_path / "shapes.ttl"
+    file.write_text(emit(read_tbox()))
+    assert check([file]).problems == ()
+
+
+def test_every_predicate_property_and_disjoint_class_has_its_shape(shapes):
+    tbox = read_tbox()
+    with_axioms = set(tbox.declared("ObjectProperty", "DatatypeProperty"))
+    targets = {str(target) for target in shapes.objects(None, SH.targetSubjectsOf)}
+    assert len(targets) > 80
+    assert targets == with_axioms
+    assert {str(one) for one in shapes.objects(None, SH.targetNode)} == set(tbox.schema.predicates)
+    assert len(set(shapes.subject_objects(SH["not"]))) == 12 * 11 / 2 + 4 * 3 / 2
+
+
+def test_what_the_loop_records_conforms(shapes, vocabulary):
+    quads = [q for number, e in enumerate(all_samples()) for q in episode_quads(e, SCHEMA, f"run{number}")]
+    assert len(quads) > 500
+    assert violations([*vocabulary, *quads], shapes) == set()
+
+
+def statement(quads, predicate):
+    return next(quad for quad in quads if quad.predicate.value == predicate)
+
+
+def repeated(predicate, value):
+    """The record says the same property twice."""
+
+    def mutate(quads):
+        found = statement(quads, predicate)
+        return [*quads, Quad(found.subject, found.predicate, value, found.graph_name)]
+
+    return mutate
+
+
+def replaced(predicate, value):
+    """The record says something of another kind."""
+
+    def mutate(quads):
+        found = statement(quads, predicate)
+        changed = Quad(found.subject, found.predicate, value, found.graph_name)
+        return [changed if quad == found else quad for quad in quads]
+
+    return mutate
+
+
+def removed(predicate):
+    def mutate(quads):
+        found = statement(quads, predicate)
+        return [quad for quad in quads if quad != found]
+
+    return mutate
+
+
+TEXT, NUMBER, OUTCOME = Literal("so"), Literal("2", datatype=NamedNode(XSD + "integer")), NamedNode(TRACE + "Accepted")
+FUNCTIONAL = [
+    (CORE + "argument1", NamedNode(BASE + "libero#flat_stove_on")),
+    (CORE + "argument2", NamedNode(BASE + "libero#flat_stove_on")),
+    (CORE + "predicate", NamedNode(MAN + "inside")),
+    (CORE + "polarity", Literal("false", datatype=NamedNode(XSD + "boolean"))),
+    (CORE + "margin", Literal("0.5", datatype=NamedNode(XSD + "double"))),
+    (CORE + "status", NamedNode(CORE + "Absent")),
+    (CORE + "source", NamedNode(CORE + "WorldModel")),
+    (TRACE + "outcome", NamedNode(TRACE + "Retained")),
+    (TRACE + "stateIndex", Literal("9", datatype=NamedNode(XSD + "integer"))),
+    (TRACE + "mode", NamedNode(TRACE + "NoApplication")),
+]
+RANGES = [
+    (CORE + "argument1", OUTCOME),
+    (CORE + "predicate", OUTCOME),
+    (CORE + "polarity", TEXT),
+    (CORE + "margin", TEXT),
+    (CORE + "fact", OUTCOME),
+    (CORE + "status", OUTCOME),
+    (CORE + "source", OUTCOME),
+    (CORE + "route", OUTCOME),
+    (CORE + "decision", OUTCOME),
+    (TRACE + "outcome", NamedNode(CORE + "Satisfied")),
+    (TRACE + "stateIndex", TEXT),
+    (TRACE + "task", NUMBER),
+    (TRACE + "requires", OUTCOME),
+    (TRACE + "mode", OUTCOME),
+    (TRACE + "selected", OUTCOME),
+]
+MUTATIONS = (
+    [pytest.param(repeated(*case), "MaxCount", id=f"twice {case[0].rpartition('#')[2]}") for case in FUNCTIONAL]
+    + [pytest.param(replaced(*case), None, id=f"range of {case[0].rpartition('#')[2]}") for case in RANGES]
+    + [pytest.param(removed(CORE + "argument2"), "MinCount", id="one argument of two")]
+)
+
+
+def test_the_corpus_of_mutations_is_whole():
+    assert len(MUTATIONS) == 26
+
+
+@pytest.mark.parametrize(("mutate", "component"), MUTATIONS)
+def test_a_mutated_record_is_refused_by_both_kinds_of_shapes(mutate, component, shapes, vocabulary):
+    quads = mutate(list(episode_quads(accepted(), SCHEMA, "run")))
+    found = violations([*vocabulary, *quads], shapes)
+    kinds = {name.removesuffix("ConstraintComponent") for _, name in found}
+    assert kinds & ({component} if component else {"Class", "Datatype"})
+    store = load_store()
+    store.extend(quads)
+    by_hand = {result.focus.value for result in validate(store, compile_shapes(store))}
+    assert by_hand & {focus for focus, _ in found}
+
+
+def test_an_argument_of_the_wrong_class_is_reported_at_its_fact(shapes, vocabulary):
+    quads = list(episode_quads(accepted(), SCHEMA, "run"))
+    typed = next(q for q in quads if q.predicate == TYPE and q.object.value == MAN + "Object")
+    changed = Quad(typed.subject, TYPE, NamedNode(MAN + "Region"), typed.graph_name)
+    found = violations([*vocabulary, *(changed if q == typed else q for q in quads)], shapes)
+    assert {name for _, name in found} == {"ClassConstraintComponent"}
+    assert all("/fact/" in focus for focus, _ in found)
+
+
+def test_a_thing_of_two_disjoint_classes_is_refused_once(shapes, vocabulary):
+    quads = list(episode_quads(accepted(), SCHEMA, "run"))
+    typed = next(q for q in quads if q.predicate == TYPE and q.object.value == MAN + "Object")
+    both = Quad(typed.subject, TYPE, NamedNode(MAN + "Fixture"), typed.graph_name)
+    found = violations([*vocabulary, *quads, both], shapes)
+    assert found == {(typed.subject.value, "NotConstraintComponent")}
+
+
+def test_a_domain_is_refused_where_it_is_not_met(shapes, vocabulary):
+    stray = Quad(NamedNode("https://example.org/stray"), NamedNode(CORE + "polarity"), TEXT, NamedNode("urn:g"))
+    assert ("https://example.org/stray", "ClassConstraintComponent") in violations([*vocabulary, stray], shapes)
+
+
+AXIOMS = {
+    "all values": ("[ a owl:Restriction ; owl:onProperty ex:p ; owl:allValuesFrom ex:B ]", "ex:p ex:b", "ex:p ex:c"),
+    "some values": ("[ a owl:Restriction ; owl:onProperty ex:p ; owl:someValuesFrom ex:B ]", "ex:p ex:b", "ex:p ex:c"),
+    "some thing": ("[ a owl:Restriction ; owl:onProperty ex:p ; owl:someValuesFrom owl:Thing ]", "ex:p ex:c", "ex:n 1"),
+    "has value": ("[ a owl:Restriction ; owl:onProperty ex:p ; owl:hasValue ex:b ]", "ex:p ex:b", "ex:p ex:c"),
+    "has literal": ("[ a owl:Restriction ; owl:onProperty ex:n ; owl:hasValue 3 ]", "ex:n 3", "ex:n 4"),
+    "at least": ("[ a owl:Restriction ; owl:onProperty ex:p ; owl:minCardinality 2 ]", "ex:p ex:b, ex:c", "ex:p ex:b"),
+    "at most": ("[ a owl:Restriction ; owl:onProperty ex:p ; owl:maxCardinality 1 ]", "ex:p ex:b", "ex:p ex:b, ex:c"),
+    "exactly": ("[ a owl:Restriction ; owl:onProperty ex:p ; owl:cardinality 1 ]", "ex:p ex:b", "ex:p ex:b, ex:c"),
+    "qualified": (
+        "[ a owl:Restriction ; owl:onProperty ex:p ; owl:onClass ex:B ; owl:maxQualifiedCardinality 0 ]",
+        "ex:p ex:c",
+        "ex:p ex:b",
+    ),
+    "inverse": (
+        "[ a owl:Restriction ; owl:onProperty [ owl:inverseOf ex:p ] ; owl:maxCardinality 0 ]",
+        "ex:p ex:b",
+        "ex:n 1 . ex:c ex:p ex:a",
+    ),
+    "intersection": (
+        "[ a owl:Class ; owl:intersectionOf ( ex:B [ a owl:Restriction ; owl:onProperty ex:n ; owl:hasValue 1 ] ) ]",
+        "a ex:B ; ex:n 1",
+        "a ex:B",
+    ),
+    "union": ("[ a owl:Class ; owl:unionOf ( ex:B ex:C ) ]", "a ex:C", "ex:n 1"),
+    "complement": ("[ a owl:Class ; owl:complementOf ex:B ]", "a ex:C", "a ex:B"),
+    "one of": ("[ a owl:Class ; owl:oneOf ( ex:a ex:b ) ]", "ex:n 1", None),
+    "facets": (
+        """[ a owl:Restriction ; owl:onProperty ex:n ; owl:allValuesFrom [
+            a rdfs:Datatype ; owl:onDatatype xsd:integer ;
+            owl:withRestrictions ( [ xsd:minInclusive 1 ] [ xsd:maxExclusive 5 ] ) ] ]""",
+        "ex:n 4",
+        "ex:n 5",
+    ),
+    "nested": (
+        """[ a owl:Restriction ; owl:onProperty ex:p ; owl:allValuesFrom
+            [ a owl:Class ; owl:unionOf ( ex:B [ a owl:Class ; owl:oneOf ( ex:d ) ] ) ] ]""",
+        "ex:p ex:b, ex:d",
+        "ex:p ex:c",
+    ),
+}
+WORLD = "ex:b a ex:B . ex:c a ex:C . ex:d ex:n 0 ."
+DECLARED = (
+    "ex:A a owl:Class . ex:B a owl:Class . ex:C a owl:Class . ex:p a owl:ObjectProperty . ex:n a owl:DatatypeProperty ."
+)
+
+
+def own_shapes(tmp_path, axioms):
+    file = tmp_path / "own.ttl"
+    file.write_text(PREFIXES + DECLARED + axioms)
+    return emit(read_tbox([file]))
+
+
+def conforms(text, data):
+    graph = Graph().parse(data=PREFIXES + DECLARED + WORLD + data, format="turtle")
+    return pyshacl_validate(graph, shacl_graph=Graph().parse(data=text, format="turtle"))[0]
+
+
+def test_the_axioms_are_all_there():
+    assert len(AXIOMS) == 16
+
+
+@pytest.mark.parametrize("relation", ["rdfs:subClassOf", "owl:equivalentClass"])
+@pytest.mark.parametrize("name", AXIOMS)
+def test_an_axiom_of_a_class_asks_what_owl_says_of_its_members(name, relation, tmp_path):
+    axiom, good, bad = AXIOMS[name]
+    text = own_shapes(tmp_path, f"ex:A {relation} {axiom} .")
+    assert conforms(text, f"ex:a a ex:A ; {good} .")
+    refused = f"ex:a a ex:A ; {bad} ." if bad else "ex:e a ex:A ."
+    assert not conforms(text, refused)
+
+
+@pytest.mark.parametrize(
+    ("axiom", "good", "bad"),
+    [
+        ("ex:p a owl:InverseFunctionalProperty .", "ex:a ex:p ex:b .", "ex:a ex:p ex:b . ex:d ex:p ex:b ."),
+        ("ex:p a owl:FunctionalProperty .", "ex:a ex:p ex:b .", "ex:a ex:p ex:b, ex:c ."),
+        ("ex:A owl:disjointWith ex:B .", "ex:a a ex:A .", "ex:a a ex:A, ex:B ."),
+        ("ex:A owl:disjointUnionOf ( ex:B ex:C ) .", "ex:a a ex:A, ex:B .", "ex:a a ex:A ."),
+        ("ex:A owl:disjointUnionOf ( ex:B ex:C ) .", "ex:a a ex:A, ex:B .", "ex:a a ex:A, ex:B, ex:C ."),
+        ("[] a owl:AllDisjointClasses ; owl:members ( ex:A ex:B ) .", "ex:a a ex:B .", "ex:a a ex:A, ex:B ."),
+        ("ex:p rdfs:domain [ a owl:Class ; owl:unionOf ( ex:A ex:B ) ] .", "ex:b ex:p ex:c .", "ex:c ex:p ex:c ."),
+        ("ex:n rdfs:range xsd:integer .", "ex:a ex:n 1 .", 'ex:a ex:n "1" .'),
+        ("ex:p rdfs:range ex:B .", "ex:a ex:p ex:b .", "ex:a ex:p ex:c ."),
+        ("", "ex:a ex:p ex:b .", 'ex:a ex:p "b" .'),
+    ],
+)
+def test_an_axiom_of_a_property_or_pair_of_classes_is_kept(axiom, good, bad, tmp_path):
+    text = own_shapes(tmp_path, axiom)
+    assert conforms(text, good)
+    assert not conforms(text, bad)
+
+
+def test_what_shacl_cannot_say_is_named(tmp_path):
+    text = own_shapes(tmp_path, "ex:A rdfs:subClassOf [ a owl:Restriction ; owl:onProperty ex:p ; owl:hasSelf true ] .")
+    assert "# Not expressed: subClassOf of https://example.org/e#A: owl:hasSelf" in text
+    assert Graph().parse(data=text, format="turtle")
+
+
+def test_a_class_that_holds_itself_ends(tmp_path):
+    text = own_shapes(tmp_path, "ex:A owl:equivalentClass _:x . _:x a owl:Class ; owl:complementOf _:x .")
+    assert "nested without end" in text
+
+
+def test_the_text_does_not_depend_on_the_order_of_the_axioms(tmp_path):
+    parts = [f"ex:A rdfs:subClassOf {axiom} ." for axiom, _, _ in AXIOMS.values()]
+    assert own_shapes(tmp_path, "\n".join(parts)) == own_shapes(tmp_path, "\n".join(reversed(parts)))
+
+
+def test_a_store_made_of_nothing_gives_a_header_only():
+    empty = read_tbox()
+    empty = type(empty)(Store(), empty.schema)
+    assert emit(empty).count("sh:NodeShape") == len(empty.schema.predicates)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
-from onto_compiler.emit.tbox import TBox
+if TYPE_CHECKING:  # `onto --help` reads this module, and stays without Oxigraph
+    from onto_compiler.emit.tbox import TBox
 
 __all__ = ["OUTPUTS", "emit"]
 

@@ -8,16 +8,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
+from onto_compiler.emit import OUTPUTS, emit
 from onto_compiler.problems import Problem, render
 
 __all__ = ["SCHEMA"]
 
-_OUTPUTS = ("shacl", "jsonschema", "jsonld", "python", "mermaid", "dense")
-
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("--emit", choices=_OUTPUTS, help="print one output, or write it to --output")
+    what.add_argument("--emit", choices=OUTPUTS, help="print one output, or write it to --output")
     what.add_argument(
         "--write", action="store_true", help="write every file that [tool.onto.schema] of pyproject.toml names"
     )
@@ -28,8 +27,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from onto_compiler.emit import emit  # noqa: PLC0415 - `onto --help` stays quick
-    from onto_compiler.emit.artefacts import find_settings, fresh, write_text  # noqa: PLC0415
+    from onto_compiler.emit.artefacts import find_settings, fresh, write_text  # noqa: PLC0415 - `onto --help` is quick
     from onto_compiler.emit.tbox import read_tbox  # noqa: PLC0415
 
     if options.emit:

@@ -1,40 +1,20 @@
-"""Shapes with components that are not compiled, run by pySHACL; imported only where such a shape is met."""
+"""What pySHACL, the oracle of our own engine, is given and says: tests and measurements compare with it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any
 
-import pyshacl
 from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Store, serialize
 from rdflib import Graph, URIRef
 from rdflib.namespace import RDF, SH
 
 from onto_compiler.rdf import SH as SHACL
-from onto_compiler.shapes_sparql import ShapeFault, Term
+from onto_compiler.shacl.graph import Term
 
-__all__ = ["validate_foreign"]
+__all__ = ["as_graph", "read_report"]
 
 Row = tuple[Term, Term | None, Term | None, str, Term, str, str]
-
-
-def validate_foreign(store: Store, shape: Term) -> Iterator[Row]:
-    """Focus, path, value, component, source shape, message and severity of each result that ``shape`` has.
-
-    Raises:
-        ShapeFault: the shape has no IRI or pySHACL cannot use it.
-
-    """
-    if not isinstance(shape, NamedNode):
-        raise ShapeFault("a shape with this constraint must have an IRI", shape)
-    graph = as_graph(store)
-    try:
-        _, report, _ = pyshacl.validate(
-            graph, shacl_graph=graph, use_shapes=[shape.value], inference="none", advanced=False, inplace=True
-        )
-    except Exception as error:  # pySHACL raises what it likes on a shape it cannot use
-        raise ShapeFault(f"the shape cannot run: {error}", shape) from error
-    yield from read_report(report)
 
 
 def as_graph(store: Store) -> Graph:

@@ -16,8 +16,7 @@ from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.rules import check_rules
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import SH, shorten
-from onto_compiler.shapes import ShapeResult, compile_shapes, validate
-from onto_compiler.shapes_sparql import ShapeFault
+from onto_compiler.shapes import ShapeFault, ShapeResult, compile_shapes, validate
 
 __all__ = ["Report", "check", "check_model"]
 

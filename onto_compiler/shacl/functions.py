@@ -1,0 +1,62 @@
+"""``sh:SPARQLFunction`` (SHACL-AF, section 5): functions that a shapes graph declares, callable in its queries."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, cast
+
+from pyoxigraph import Literal, NamedNode, QueryBoolean, QuerySolutions, Store
+
+from onto_compiler.rdf import SH, boolean
+from onto_compiler.shacl.graph import Term
+from onto_compiler.shacl.prebinding import Query, read_query
+from onto_compiler.shacl.reader import Reader
+from onto_compiler.shacl.sparql import prefixes
+
+__all__ = ["Functions", "declared_functions"]
+
+Function = Callable[..., Any]
+
+
+class Functions(dict[NamedNode, Function]):
+    """The functions by IRI. They ask ``store``, which the validation sets before it begins."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.store = Store()
+
+
+def declared_functions(reader: Reader) -> Functions:
+    """Every SPARQL function of a shapes graph. Parameters are ordered by ``sh:order``, then by local name."""
+    found = Functions()
+    for one in reader.graph.instances(NamedNode(SH + "SPARQLFunction")):
+        body = reader.one(one, "select") or reader.one(one, "ask")
+        if not isinstance(one, NamedNode) or body is None:
+            continue
+        names = [name for _, name in sorted(_parameters(reader, one))]
+        found[one] = _function(found, read_query(prefixes(reader, one) + body.value, names), names)
+    return found
+
+
+def _parameters(reader: Reader, function: Term) -> list[tuple[tuple[float, str], str]]:
+    found = []
+    for parameter in reader.values(function, "parameter"):
+        path, order = reader.one(parameter, "path"), reader.one(parameter, "order")
+        if path is not None:
+            name = path.value.rpartition("#")[2].rpartition("/")[2]
+            found.append(((float(order.value) if isinstance(order, Literal) else 0.0, name), name))
+    return found
+
+
+def _function(known: Functions, query: Query, names: Sequence[str]) -> Function:
+    def call(*arguments: Term) -> Term | None:
+        text, extra = query.bind(dict(zip(names, arguments, strict=False)))
+        everything: Mapping[NamedNode, Function] = {**known, **extra}
+        answer = known.store.query(text, use_default_graph_as_union=True, custom_functions=dict(everything))
+        if isinstance(answer, QueryBoolean):
+            return boolean(bool(answer))
+        for row in cast("QuerySolutions", answer):
+            return cast("Term | None", row[0])
+        return None
+
+    return call

@@ -1,0 +1,144 @@
+"""Looking things up in a shapes graph, with a fault that names the shape where something is not as it must be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from pyoxigraph import BlankNode, Literal, NamedNode
+
+from onto_compiler.rdf import BASE, RDF, RDFS, SH, XSD
+from onto_compiler.shacl.graph import Graph, Term
+from onto_compiler.shacl.model import ShapeFault
+
+__all__ = ["Parameter", "Reader", "local", "shown"]
+
+_KNOWN = {"rdf": RDF, "rdfs": RDFS, "xsd": XSD, "sh": SH}
+_CODE, _HINT = NamedNode(BASE + "shapes#code"), NamedNode(BASE + "shapes#hint")
+
+
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """A shapes graph, and the shapes that what was read so far refers to."""
+
+    graph: Graph
+    wanted: list[Term] = field(default_factory=list)
+
+    def values(self, node: Term, name: str | NamedNode) -> list[Term]:
+        """The values of ``sh:name``, or of a property given whole."""
+        predicate = name if isinstance(name, NamedNode) else NamedNode(SH + name)
+        return list(self.graph.objects(node, predicate))
+
+    def one(self, node: Term, name: str | NamedNode) -> Term | None:
+        """The first of them."""
+        return next(iter(self.values(node, name)), None)
+
+    def text(self, node: Term, name: str | NamedNode) -> str:
+        """A text value: the one without a language before the English one before any other."""
+        found = [value for value in self.values(node, name) if isinstance(value, Literal)]
+        found.sort(key=lambda value: {None: 0, "en": 1}.get(value.language, 2))
+        return found[0].value if found else ""
+
+    def is_true(self, node: Term, name: str) -> bool:
+        """Whether ``sh:name`` is true."""
+        return any(value.value == "true" for value in self.values(node, name))
+
+    def spoken(self, node: Term) -> tuple[str, str, str]:
+        """Message, code and hint that a shape or constraint gives."""
+        return self.text(node, "message"), self.text(node, _CODE), self.text(node, _HINT)
+
+    def shape(self, node: Term) -> Term:
+        """A shape that is referred to; it will be compiled too."""
+        self.wanted.append(node)
+        return node
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A constraint parameter that is being compiled: ``shape`` has ``value`` for ``sh:name``."""
+
+    reader: Reader
+    shape: Term
+    name: str
+    value: Term
+
+    def fault(self, message: str) -> ShapeFault:
+        """What is wrong with the value."""
+        return ShapeFault(message, self.shape, self.name, self.value)
+
+    def iri(self) -> NamedNode:
+        """The value as an IRI.
+
+        Raises:
+            ShapeFault: where it is none.
+
+        """
+        if not isinstance(self.value, NamedNode):
+            raise self.fault(f"the value of sh:{self.name} is no IRI")
+        return self.value
+
+    def number(self) -> int:
+        """The value as a whole number.
+
+        Raises:
+            ShapeFault: where it is none.
+
+        """
+        try:
+            return int(self.value.value)
+        except ValueError:
+            raise self.fault(f"`{self.value.value}` stands where a whole number belongs") from None
+
+    def literal(self) -> Literal:
+        """The value as a literal.
+
+        Raises:
+            ShapeFault: where it is none.
+
+        """
+        if not isinstance(self.value, Literal):
+            raise self.fault(f"the value of sh:{self.name} is no literal")
+        return self.value
+
+    def items(self) -> list[Term]:
+        """The members of the list that the value is.
+
+        Raises:
+            ShapeFault: where it is none.
+
+        """
+        members = self.reader.graph.items(self.value)
+        if members is None:
+            raise self.fault("a list in this shape does not end")
+        return members
+
+    def referred(self) -> Term:
+        """The value as a shape.
+
+        Raises:
+            ShapeFault: where it is a literal.
+
+        """
+        if isinstance(self.value, Literal):
+            raise self.fault(f"the value of sh:{self.name} is no shape")
+        return self.reader.shape(self.value)
+
+    def others(self, name: str) -> list[Term]:
+        """The shape's values of another parameter."""
+        return self.reader.values(self.shape, name)
+
+
+def local(iri: str) -> str:
+    """An IRI of the SHACL namespace without it; any other as it is."""
+    return iri.removeprefix(SH)
+
+
+def shown(term: Term) -> str:
+    """A term as a sentence names it."""
+    if isinstance(term, BlankNode):
+        return "a blank node"
+    if isinstance(term, Literal):
+        return f"`{term.value}`"
+    for prefix, namespace in _KNOWN.items():
+        if term.value.startswith(namespace):
+            return f"`{prefix}:{term.value[len(namespace) :]}`"
+    return f"`{term.value.rpartition('#')[2].rpartition('/')[2] or term.value}`"

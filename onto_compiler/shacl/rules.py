@@ -1,0 +1,149 @@
+"""SHACL-AF rules (section 8): triple rules and SPARQL rules with conditions, in ascending ``sh:order``.
+
+What one order concludes, the next can read; rules of the same order do not read what the others conclude.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import product
+from typing import cast
+
+from pyoxigraph import Literal, NamedNode, QueryTriples, Triple
+
+from onto_compiler.rdf import RDF, SH
+from onto_compiler.shacl.compile import Compiler
+from onto_compiler.shacl.expressions import Expression, read_expression
+from onto_compiler.shacl.functions import declared_functions
+from onto_compiler.shacl.graph import Graph, Subject, Term
+from onto_compiler.shacl.model import Run, ShapeFault, Shapes, Target
+from onto_compiler.shacl.prebinding import read_query
+from onto_compiler.shacl.reader import Reader
+from onto_compiler.shacl.sparql import prefixes
+from onto_compiler.shacl.validate import Validation, focus_nodes
+
+__all__ = ["GraphRule", "RuleBase", "read_rule_base"]
+
+_TYPE, _RULE = NamedNode(RDF + "type"), NamedNode(SH + "rule")
+Conclude = Callable[[Run, Term], Iterable[Triple]]
+
+
+@dataclass(frozen=True, slots=True)
+class GraphRule:
+    """One rule of one shape: for each of the targets that conforms to all ``conditions``, what it concludes."""
+
+    iri: Term
+    order: tuple[float, float]  # the shape's, then the rule's
+    targets: tuple[Target, ...]
+    conditions: tuple[Term, ...]
+    conclude: Conclude
+
+
+@dataclass(frozen=True, slots=True)
+class RuleBase:
+    """The rules of a shapes graph in the order in which they run."""
+
+    rules: tuple[GraphRule, ...]
+    shapes: Shapes
+
+    def apply(self, data: Graph) -> list[Triple]:
+        """Run every rule once over ``data``, add what they conclude to it and return what was new.
+
+        Raises:
+            ShapeFault: a rule, a condition or a function cannot run.
+
+        """
+        concluded: list[Triple] = []
+        for order in sorted({rule.order for rule in self.rules}):
+            run = Validation(data, self.shapes)
+            fresh = [
+                triple
+                for rule in self.rules
+                if rule.order == order
+                for focus in list(focus_nodes(data, rule.targets))
+                if all(run.conforms(focus, condition) for condition in rule.conditions)
+                for triple in rule.conclude(run, focus)
+            ]
+            concluded += [triple for triple in fresh if data.add(triple)]
+        return concluded
+
+
+def read_rule_base(graph: Graph) -> RuleBase:
+    """The rules of a shapes graph; deactivated ones, and those of deactivated shapes, are left out.
+
+    Raises:
+        ShapeFault: a rule is of a kind that is not known, or lacks a part.
+
+    """
+    compiler = Compiler(graph)
+    rules = []
+    for shape in sorted(graph.holders(_RULE), key=str):
+        if compiler.reader.is_true(shape, "deactivated"):
+            continue
+        targets = tuple(compiler.targets(shape))
+        for node in compiler.reader.values(shape, "rule"):
+            rules += [] if compiler.reader.is_true(node, "deactivated") else [_rule(compiler, shape, node, targets)]
+    rules.sort(key=lambda rule: (rule.order, str(rule.iri)))
+    return RuleBase(tuple(rules), Shapes((), compiler.known, graph, declared_functions(compiler.reader)))
+
+
+def _rule(compiler: Compiler, shape: Term, node: Term, targets: tuple[Target, ...]) -> GraphRule:
+    reader = Reader(compiler.reader.graph)
+    conditions = tuple(reader.shape(condition) for condition in reader.values(node, "condition"))
+    kinds = {kind.value.removeprefix(SH) for kind in reader.values(node, NamedNode(RDF + "type"))}
+    if "SPARQLRule" in kinds or reader.values(node, "construct"):
+        conclude = _constructing(reader, shape, node)
+    elif "TripleRule" in kinds or reader.values(node, "subject"):
+        conclude = _stating(reader, shape, node)
+    else:
+        raise ShapeFault("a sh:rule is neither a sh:TripleRule nor a sh:SPARQLRule", shape, "rule", node)
+    for needed in reader.wanted:
+        compiler.shape(needed)
+    return GraphRule(node, (_order(reader, shape), _order(reader, node)), targets, conditions, conclude)
+
+
+def _order(reader: Reader, node: Term) -> float:
+    value = reader.one(node, "order")
+    try:
+        return float(value.value) if isinstance(value, Literal) else 0.0
+    except ValueError:
+        raise ShapeFault("the value of sh:order is no number", node, "order", value) from None
+
+
+def _stating(reader: Reader, shape: Term, node: Term) -> Conclude:
+    parts: list[Expression] = []
+    for name in ("subject", "predicate", "object"):
+        part = reader.one(node, name)
+        if part is None:
+            raise ShapeFault(f"a sh:TripleRule has no sh:{name}", shape, "rule", node)
+        parts.append(read_expression(reader, part, shape))
+
+    def conclude(run: Run, focus: Term) -> Iterator[Triple]:
+        for subject, predicate, value in product(*(list(part(run, focus)) for part in parts)):
+            if isinstance(predicate, NamedNode) and not isinstance(subject, Literal):
+                yield Triple(subject, predicate, value)
+
+    return conclude
+
+
+def _constructing(reader: Reader, shape: Term, node: Term) -> Conclude:
+    body = reader.one(node, "construct")
+    if body is None:
+        raise ShapeFault("a sh:SPARQLRule has no sh:construct", shape, "rule", node)
+    query = read_query(prefixes(reader, node) + body.value, ("this",))
+
+    def conclude(run: Run, focus: Term) -> Iterator[Triple]:
+        text, functions = query.bind({"this": focus})
+        known = {**run.shapes.functions, **functions}
+        try:
+            answer = run.data.store.query(text, use_default_graph_as_union=True, custom_functions=known or None)
+        except SyntaxError as error:
+            raise ShapeFault(f"the rule cannot run: {' '.join(str(error).split())}", shape, "rule", node) from error
+        if not isinstance(answer, QueryTriples):
+            raise ShapeFault("the sh:construct of a rule is no CONSTRUCT query", shape, "rule", node)
+        for triple in answer:
+            value = run.data.written(cast("Term", triple.object))
+            yield Triple(cast("Subject", triple.subject), triple.predicate, value)
+
+    return conclude

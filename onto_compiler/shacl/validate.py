@@ -1,0 +1,179 @@
+"""Validating a data graph: each focus node of each shape against its constraints (SHACL, section 3.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+from pyoxigraph import NamedNode, QueryBoolean, QuerySolutions, Store
+
+from onto_compiler.shacl.functions import Functions
+from onto_compiler.shacl.graph import Graph, Term
+from onto_compiler.shacl.model import (
+    Check,
+    Custom,
+    Hit,
+    Nested,
+    PerValue,
+    Shape,
+    ShapeFault,
+    ShapeResult,
+    Shapes,
+    Target,
+)
+from onto_compiler.shacl.paths import follow
+from onto_compiler.shacl.sparql import SHAPES_GRAPH, fill
+
+__all__ = ["Validation", "focus_nodes", "validate_graph"]
+
+
+@dataclass
+class Validation:
+    """A run of ``shapes`` over ``data``. A shape that refers back to itself holds where only that is in question."""
+
+    data: Graph
+    shapes: Shapes
+    _beside: Store | None = None
+    _open: set[tuple[Term, Term]] = field(default_factory=set)
+    _decided: dict[tuple[Term, Term], bool] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.shapes.functions, Functions) and self.shapes.functions:
+            self.shapes.functions.store = self.data.store
+
+    def conforms(self, node: Term, shape: Term) -> bool:
+        """Whether ``node`` has no result against ``shape``."""
+        key = (node, shape)
+        if key in self._decided:
+            return self._decided[key]
+        if key in self._open:
+            return True
+        self._open.add(key)
+        try:
+            verdict = next(self.results(self.shapes.known[shape], node), None) is None
+        finally:
+            self._open.discard(key)
+        if not self._open:  # otherwise it may rest on what is still open
+            self._decided[key] = verdict
+        return verdict
+
+    def results(self, shape: Shape, focus: Term) -> Iterator[ShapeResult]:
+        """The results of one focus node against one shape."""
+        values = (focus,) if shape.path is None else tuple(follow(self.data, focus, shape.path))
+        for check in shape.checks:
+            if isinstance(check, PerValue):
+                test = check.test
+                for value in values:
+                    if not test(self, value):
+                        yield _result(shape, focus, check, Hit(value))
+            elif isinstance(check, Nested):
+                nested = self.shapes.known[check.shape]
+                for value in values:
+                    yield from self._nested(nested, value)
+            else:
+                for found in check.find(self, focus, values):
+                    hit = found if isinstance(found, Hit) else Hit(found)
+                    yield _result(shape, hit.focus or focus, check, hit, self.data)
+
+    def _nested(self, shape: Shape, focus: Term) -> Iterator[ShapeResult]:
+        key = (focus, shape.iri)
+        if key in self._open:
+            return
+        self._open.add(key)
+        try:
+            yield from self.results(shape, focus)
+        finally:
+            self._open.discard(key)
+
+    def select(self, text: str, functions: Mapping[NamedNode, Callable[..., Any]]) -> Iterator[dict[str, Term]]:
+        """The solutions of a SELECT over the data; an ASK gives one empty solution, or none."""
+        store, union = self.data.store, True
+        if "shapesGraph" in text:
+            self._beside = self._beside or self.data.beside(self.shapes.graph, SHAPES_GRAPH)
+            store, union = self._beside, False
+        known = {**self.shapes.functions, **functions}
+        answer = store.query(text, use_default_graph_as_union=union, custom_functions=known or None)
+        if isinstance(answer, QueryBoolean):
+            if answer:
+                yield {}
+            return
+        if not isinstance(answer, QuerySolutions):
+            raise ValueError("a sh:select is no SELECT query")  # noqa: TRY004 - the text is at fault, not its type
+        names = [variable.value for variable in answer.variables]
+        for solution in answer:
+            yield {name: cast("Term", solution[name]) for name in names if solution[name] is not None}
+
+
+def _result(shape: Shape, focus: Term, check: Check, hit: Hit, data: Graph | None = None) -> ShapeResult:
+    assert not isinstance(check, Nested)  # noqa: S101 - a nested shape has results of its own
+    own = check if isinstance(check, Custom) else None
+    value = hit.value
+    if data is not None and value is not None:
+        value = data.written(value)
+    message = hit.message or (own.message if own else "") or shape.message
+    given = {"this": focus} | ({"value": value} if value is not None else {})
+    return ShapeResult(
+        focus,
+        hit.path or shape.path_node,
+        value,
+        check.component,
+        shape.iri,
+        fill(message, given),
+        shape.severity,
+        (own.code if own else "") or shape.code,
+        (own.hint if own else "") or shape.hint,
+        check.expected,
+    )
+
+
+def focus_nodes(data: Graph, targets: Iterable[Target]) -> Iterable[Term]:
+    """The nodes that ``targets`` select, each once."""
+    found: dict[Term, None] = {}
+    for target in targets:
+        match target.kind:
+            case "node":
+                found[target.term] = None
+            case "class":
+                found.update(data.instances(target.term))
+            case "subjects":
+                found.update(dict.fromkeys(data.holders(cast("NamedNode", target.term))))
+            case "objects":
+                found.update(dict.fromkeys(data.values(cast("NamedNode", target.term))))
+            case _:
+                found.update(dict.fromkeys(_selected(data, target)))
+    return found
+
+
+def _selected(data: Graph, target: Target) -> Iterator[Term]:
+    try:
+        answer = data.store.query(target.query, use_default_graph_as_union=True)
+    except SyntaxError as error:
+        text = " ".join(str(error).partition(", [")[0].split())
+        raise ShapeFault(f"the query of a target cannot run: {text}", target.term) from error
+    if not isinstance(answer, QuerySolutions):
+        raise ShapeFault("the query of a target is no SELECT", target.term)
+    for row in answer:
+        node = cast("Term | None", row[0])
+        if node is not None:
+            yield data.written(node)
+
+
+def validate_graph(data: Graph, shapes: Shapes, faults: list[ShapeFault] | None = None) -> tuple[ShapeResult, ...]:
+    """Every result of ``data`` against ``shapes``; where the same fault is found twice, it is there twice.
+
+    Raises:
+        ShapeFault: a query cannot run, and no list for ``faults`` is given.
+
+    """
+    run = Validation(data, shapes)
+    results: list[ShapeResult] = []
+    for shape in shapes.roots:
+        try:
+            for focus in focus_nodes(data, shape.targets):
+                results.extend(run.results(shape, focus))
+        except ShapeFault as fault:
+            if faults is None:
+                raise
+            faults.append(fault)
+    return tuple(results)

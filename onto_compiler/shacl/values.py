@@ -1,0 +1,176 @@
+"""Literals: whether a lexical form belongs to a datatype, and which of two values is the lesser.
+
+Source: XML Schema 1.1, part 2, sections 3.3 and 3.4; SPARQL 1.1, section 17.3, for what may be compared.
+"""
+
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime, timedelta
+from decimal import Decimal
+from fractions import Fraction
+from functools import lru_cache
+from math import isnan
+
+from pyoxigraph import Literal
+
+from onto_compiler.rdf import RDF, XSD
+
+__all__ = ["is_well_formed", "less"]
+
+_DECIMAL = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)"
+_FLOAT = rf"(?:{_DECIMAL}(?:[eE][+-]?\d+)?|[+-]?INF|NaN)"
+_ZONE = r"(?P<zone>Z|[+-](?:(?:0\d|1[0-3]):[0-5]\d|14:00))?"
+_DATE = r"(?P<year>-?(?:[1-9]\d{3,}|0\d{3}))-(?P<month>0[1-9]|1[0-2])-(?P<day>0[1-9]|[12]\d|3[01])"
+_TIME = r"(?:(?P<hour>[01]\d|2[0-3]):(?P<minute>[0-5]\d):(?P<second>[0-5]\d(?:\.\d+)?)|(?P<midnight>24:00:00(?:\.0+)?))"
+_DAY_TIME = r"(?:\d+D)?(?:T(?=\d)(?:\d+H)?(?:\d+M)?(?:\d+(?:\.\d+)?S)?)?"
+_PATTERNS = {
+    "anyURI": r"[^\x00-\x20<>\"{}|\\^`]*",
+    "base64Binary": r"(?:(?:[A-Za-z0-9+/] ?){4})*(?:(?:[A-Za-z0-9+/] ?){2}= ?=|(?:[A-Za-z0-9+/] ?){3}=)?",
+    "boolean": r"true|false|1|0",
+    "date": _DATE + _ZONE,
+    "dateTime": _DATE + "T" + _TIME + _ZONE,
+    "dateTimeStamp": _DATE + "T" + _TIME + _ZONE.removesuffix("?"),
+    "dayTimeDuration": rf"-?P(?=[\dT]){_DAY_TIME}",
+    "decimal": _DECIMAL,
+    "double": _FLOAT,
+    "duration": rf"-?P(?=[\dT])(?:\d+Y)?(?:\d+M)?{_DAY_TIME}",
+    "float": _FLOAT,
+    "gDay": r"---(?:0[1-9]|[12]\d|3[01])" + _ZONE,
+    "gMonth": r"--(?:0[1-9]|1[0-2])" + _ZONE,
+    "gMonthDay": r"--(?:0[1-9]|1[0-2])-(?:0[1-9]|[12]\d|3[01])" + _ZONE,
+    "gYear": r"-?(?:[1-9]\d{3,}|0\d{3})" + _ZONE,
+    "gYearMonth": r"-?(?:[1-9]\d{3,}|0\d{3})-(?:0[1-9]|1[0-2])" + _ZONE,
+    "hexBinary": r"(?:[0-9A-Fa-f]{2})*",
+    "integer": r"[+-]?\d+",
+    "language": r"[A-Za-z]{1,8}(?:-[A-Za-z0-9]{1,8})*",
+    "Name": r"[^\W\d][\w.\-:\u00b7]*|:[\w.\-:\u00b7]*",
+    "NCName": r"[^\W\d][\w.\-\u00b7]*",
+    "NMTOKEN": r"[\w.\-:\u00b7]+",
+    "normalizedString": r"[^\t\n\r]*",
+    "time": _TIME + _ZONE,
+    "token": r"(?:[^\s]+(?: [^\s]+)*)?",
+    "yearMonthDuration": r"-?P(?=\d)(?:\d+Y)?(?:\d+M)?",
+}
+_BOUNDS: dict[str, tuple[int | None, int | None]] = {
+    "byte": (-(2**7), 2**7 - 1),
+    "int": (-(2**31), 2**31 - 1),
+    "long": (-(2**63), 2**63 - 1),
+    "negativeInteger": (None, -1),
+    "nonNegativeInteger": (0, None),
+    "nonPositiveInteger": (None, 0),
+    "positiveInteger": (1, None),
+    "short": (-(2**15), 2**15 - 1),
+    "unsignedByte": (0, 2**8 - 1),
+    "unsignedInt": (0, 2**32 - 1),
+    "unsignedLong": (0, 2**64 - 1),
+    "unsignedShort": (0, 2**16 - 1),
+}
+_FORMS = {name: re.compile(pattern, re.ASCII if name != "NCName" else 0) for name, pattern in _PATTERNS.items()}
+_FORMS |= {name: re.compile(_PATTERNS[name]) for name in ("Name", "NCName", "NMTOKEN")}
+_EXACT = {"integer", "decimal", *_BOUNDS}
+_TIMES = {"date", "dateTime", "dateTimeStamp", "time"}
+_DURATIONS = {"dayTimeDuration", "yearMonthDuration"}
+_FOURTEEN_HOURS = Fraction(14 * 3600)
+_DURATION = re.compile(r"(-)?P(?:(\d+)Y)?(?:(\d+)M)?(?:(\d+)D)?(?:T(?:(\d+)H)?(?:(\d+)M)?(?:(\d+(?:\.\d+)?)S)?)?")
+
+Key = tuple[str, object, bool]  # what it may be compared with, the value, and whether a time has a zone
+
+
+@lru_cache(maxsize=65536)
+def is_well_formed(literal: Literal) -> bool:
+    """Whether the lexical form is one of the datatype's; of a datatype outside XML Schema nothing is known."""
+    datatype = literal.datatype.value
+    if datatype == RDF + "langString":
+        return literal.language is not None
+    name = datatype.removeprefix(XSD)
+    text = literal.value
+    if name in _BOUNDS:
+        if _FORMS["integer"].fullmatch(text) is None:
+            return False
+        least, most = _BOUNDS[name]
+        number = Decimal(text)
+        return (least is None or number >= least) and (most is None or number <= most)
+    form = _FORMS.get(name)
+    if form is None:
+        return True
+    match = form.fullmatch(text)
+    if match is None:
+        return False
+    return name not in {"date", "dateTime", "dateTimeStamp"} or int(match["day"]) <= _days(match)
+
+
+def _days(match: re.Match[str]) -> int:
+    """How many days the month of a matched date has."""
+    year, month = int(match["year"]), int(match["month"])
+    leap = year % 4 == 0 and (year % 100 != 0 or year % 400 == 0)
+    return (31, 28 + leap, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)[month - 1]
+
+
+def less(left: Literal, right: Literal, *, or_equal: bool = False) -> bool:
+    """Whether ``left < right`` (or ``<=``) holds; false where the two cannot be compared."""
+    first, second = _key(left), _key(right)
+    if first is None or second is None or first[0] != second[0]:
+        return False
+    (_, one, zoned), (_, other, zoned_too) = first, second
+    if zoned != zoned_too:
+        # A time without a zone may lie 14 hours to either side: only what holds in every zone is known.
+        return bool(one + _FOURTEEN_HOURS < other)  # type: ignore[operator]
+    if isinstance(one, float) or isinstance(other, float):
+        one, other = float(one), float(other)  # type: ignore[arg-type]
+    return bool(one < other or (or_equal and one == other))  # type: ignore[operator]
+
+
+@lru_cache(maxsize=65536)
+def _key(literal: Literal) -> Key | None:
+    if not is_well_formed(literal):
+        return None
+    name, text = literal.datatype.value.removeprefix(XSD), literal.value
+    if name in _EXACT:
+        return ("number", Fraction(Decimal(text)), True)
+    if name in {"double", "float"}:
+        return _inexact(text)
+    if name in {"string", "boolean"}:
+        return (name, text if name == "string" else text in {"true", "1"}, True)
+    if name in _TIMES:
+        return _moment(name.removesuffix("Stamp"), text)
+    return (name, _duration(text), True) if name in _DURATIONS else None
+
+
+def _inexact(text: str) -> Key | None:
+    number = float(text.replace("INF", "inf"))
+    return None if isnan(number) else ("number", number, True)
+
+
+def _moment(kind: str, text: str) -> Key | None:
+    """Seconds on a line; years before 1 and beyond 9999 are placed by whole cycles of 400 years."""
+    match = _FORMS["dateTime" if kind == "dateTime" else kind].fullmatch(text)
+    if match is None:
+        return None
+    parts = match.groupdict()
+    cycles, year = divmod(int(parts.get("year") or 2000), 400)
+    begin = datetime(year + 2000, int(parts.get("month") or 1), int(parts.get("day") or 1), tzinfo=UTC)
+    days = (begin - datetime(2000, 1, 1, tzinfo=UTC)).days + cycles * 146097
+    seconds = Fraction(days * 86400)
+    if parts.get("midnight"):
+        seconds += 86400 if kind == "dateTime" else 0
+    elif parts.get("hour"):
+        seconds += int(parts["hour"]) * 3600 + int(parts["minute"]) * 60 + Fraction(parts["second"])
+    zone = parts.get("zone")
+    if zone and zone != "Z":
+        offset = timedelta(hours=int(zone[1:3]), minutes=int(zone[4:6]))
+        seconds -= int(offset.total_seconds()) * (1 if zone[0] == "+" else -1)
+    return (kind, seconds, zone is not None)
+
+
+def _duration(text: str) -> Fraction:
+    """Months of a year-month duration, seconds of a day-time one."""
+    match = _DURATION.fullmatch(text)
+    assert match is not None  # noqa: S101 - the form was matched before
+    sign, years, months, days, hours, minutes, seconds = match.groups()
+    if years or months:
+        total = Fraction(int(years or 0) * 12 + int(months or 0))
+    else:
+        total = Fraction(int(days or 0) * 86400 + int(hours or 0) * 3600 + int(minutes or 0) * 60)
+        total += Fraction(seconds or 0)
+    return -total if sign else total

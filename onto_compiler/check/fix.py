@@ -11,7 +11,8 @@ from pyoxigraph import Store
 
 from onto_compiler.check.edits import Edit, apply, edits
 from onto_compiler.check.model import load_model
-from onto_compiler.check.run import Report, check, check_model
+from onto_compiler.check.run import Report, check_model
+from onto_compiler.check.tasks import check_all, split
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.sources import read_into
 
@@ -31,13 +32,14 @@ class Fixed:
 
 
 def fix(paths: Sequence[Path | str]) -> Fixed:
-    """Repair ``paths`` in memory; nothing is written. Files that are not Turtle stay as they are."""
+    """Repair the Turtle among ``paths`` in memory; nothing is written, and what does not parse stays as it is."""
     before: dict[Path, str] = {}
     after: dict[Path, str] = {}
     done: list[Edit] = []
-    for _ in range(_ROUNDS):
+    turtle, _ = split(paths)
+    for _ in range(_ROUNDS if turtle else 0):
         try:
-            model = load_model(paths, after)
+            model = load_model(turtle, after)
         except OntoError:
             break
         problems = check_model(model)
@@ -51,8 +53,8 @@ def fix(paths: Sequence[Path | str]) -> Fixed:
                 done += found
                 changed = True
         if not changed:
-            return Fixed(tuple(done), before, after, Report(problems, model.files, model.triples))
-    return Fixed(tuple(done), before, after, check(paths, after))
+            break
+    return Fixed(tuple(done), before, after, check_all(paths, after))
 
 
 def diff(fixed: Fixed, shown: Mapping[Path, str]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from runtime.report.markup import Html, element
+from onto_compiler.html import Html, element
 from runtime.trace.narrate import amount
 
 __all__ = ["margin_bar"]

@@ -6,8 +6,8 @@ from base64 import b64encode
 from collections.abc import Sequence
 from html import escape
 
+from onto_compiler.html import Html, element, joined
 from runtime.records import Episode
-from runtime.report.markup import Html, element, joined
 from runtime.report.sections import episode_name
 
 __all__ = ["Pictures", "gallery"]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from onto_compiler.html import Html, badge, code, element, joined, prose, table, text
 from onto_compiler.schema import Schema
 from onto_compiler.tables import SATISFIED, STATUSES
 from runtime.diagnosis import evidence_status
 from runtime.records import Diagnosis, Episode
 from runtime.report.bars import margin_bar
-from runtime.report.markup import Html, badge, code, element, joined, prose, table, text
 from runtime.summary import first_diagnoses, margin_after, routes_of, verdict
 from runtime.trace.narrate import amount, atom, chain, outcome_sentence, premise_sentence, short_name, unit_of
 from runtime.trace.sparql import Answer, plain, words

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 
+from onto_compiler.html import element, page
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
 from runtime.records import Episode
 from runtime.report.gallery import Pictures, gallery
-from runtime.report.markup import Html, element
 from runtime.report.sections import answers_section, details_section, episodes_table, header, modes_note, tiles
 from runtime.trace.sparql import Answer
 
@@ -58,11 +58,4 @@ def report_html(
     main += [element("h2", "Chains"), details_section(episodes, schema)]
     if answers:
         main += [element("h2", "Questions to the trace"), answers_section(answers)]
-    body = [header(_TITLE, episodes), element("main", *main), element("footer", element("p", _FOOT))]
-    head = [
-        Html('<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'),
-        element("title", _TITLE),
-        element("style", Html(style)),
-    ]
-    page = element("html", element("head", *head), element("body", *body), lang="en")
-    return f"<!doctype html>\n{page}\n"
+    return page(_TITLE, style, header(_TITLE, episodes), element("main", *main), element("footer", element("p", _FOOT)))

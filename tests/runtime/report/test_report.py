@@ -134,7 +134,7 @@ def _luminance(colour):
 
 @pytest.mark.parametrize("scheme", [0, 1])
 def test_text_has_the_contrast_that_wcag_asks_for(scheme):
-    css = files("runtime.report").joinpath("style.css").read_text()
+    css = files("onto_compiler").joinpath("html.css").read_text()
     block = re.findall(r":root \{(.*?)\}", css, re.DOTALL)[scheme]
     colours = dict(re.findall(r"--([\w-]+): (#\w{6})", block))
     pairs = [("ink", "page"), ("ink", "card"), ("quiet", "page"), ("quiet", "card"), ("link", "card"), ("ink", "code")]

@@ -1,11 +1,12 @@
-"""The few pieces of HTML that every section needs; text is escaped here and nowhere else."""
+"""The few pieces of HTML that every page needs, and the look that they share; text is escaped here and nowhere else."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from html import escape
+from importlib.resources import files
 
-__all__ = ["Html", "badge", "code", "element", "joined", "prose", "table", "text"]
+__all__ = ["Html", "badge", "code", "element", "joined", "page", "prose", "table", "text"]
 
 
 class Html(str):
@@ -59,3 +60,14 @@ def table(caption: str, columns: Sequence[str], rows: Iterable[Sequence[object]]
         body.append(element("tr", *cells))
     inner = element("table", element("caption", caption), element("thead", head), element("tbody", *body))
     return element("div", inner, class_="scroll", tabindex="0", role="region", aria_label=caption)
+
+
+def page(title: str, style: str, *body: object) -> str:
+    """A whole document without script, font or picture from elsewhere; ``style`` is CSS on top of the shared look."""
+    shared = files("onto_compiler").joinpath("html.css").read_text(encoding="utf-8")
+    head = [
+        Html('<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'),
+        element("title", title),
+        element("style", Html(shared + style)),
+    ]
+    return f"<!doctype html>\n{element('html', element('head', *head), element('body', *body), lang='en')}\n"

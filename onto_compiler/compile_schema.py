@@ -25,12 +25,12 @@ SELECT ?this ?kind ?name ?domain ?range ?unit ?grounded ?definition WHERE {
     OPTIONAL { ?this core:marginUnit ?unit } OPTIONAL { ?this core:groundedBy ?grounded }
 } ORDER BY ?this ?kind"""
 _BINDINGS = """
-SELECT ?this ?native ?first ?second ?lifts ?grounded ?order ?pattern ?threshold ?tolerance ?premise WHERE {
+SELECT ?this ?native ?first ?second ?lifts ?grounded ?order ?pattern ?threshold ?tolerance ?premise ?domain WHERE {
     ?this a core:Binding ; core:native ?native ; core:lifts ?lifts ; core:groundedBy ?grounded .
     OPTIONAL { ?this core:nativeArgument1 ?first } OPTIONAL { ?this core:nativeArgument2 ?second }
     OPTIONAL { ?this core:order ?order } OPTIONAL { ?this core:landmarkPattern ?pattern }
     OPTIONAL { ?this core:bindsThreshold ?threshold } OPTIONAL { ?this core:premiseTolerance ?tolerance }
-    OPTIONAL { ?this core:premiseGroundedBy ?premise }
+    OPTIONAL { ?this core:premiseGroundedBy ?premise } OPTIONAL { ?this core:nativeDomain ?domain }
 } ORDER BY ?order ?this"""
 _THRESHOLDS = """
 SELECT ?this ?category ?native ?above ?bound ?inclusive ?every ?unit WHERE {
@@ -131,6 +131,7 @@ def _bindings(store: Store) -> tuple[Binding, ...]:
             landmark=_pattern(row["this"], row["pattern"]) if "pattern" in row else None,
             threshold=row.get("threshold") == "true",
             premise_grounded_by=row.get("premise"),
+            domain=row.get("domain", ""),
             premise_tolerance=float(row.get("tolerance", 0)),
         )
         for row in sorted(_rows(store, _BINDINGS), key=lambda row: (int(row.get("order", 1000)), row["this"]))

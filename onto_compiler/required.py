@@ -48,7 +48,11 @@ class Fact:
 
 @dataclass(frozen=True, slots=True)
 class RequiredABox:
-    """``facts`` must all hold at the end (the goal); ``premise`` must hold after settling (the task's ``:init``)."""
+    """What a task asks for. ``facts`` belong to the goal; ``premise`` must hold after settling (the task's ``:init``).
+
+    Without ``alternatives`` all ``facts`` must hold at the end. Otherwise each alternative is a set of their indices,
+    and the goal is reached where all facts of one alternative hold (the goal's disjunctive normal form).
+    """
 
     task: str
     language: str
@@ -56,3 +60,9 @@ class RequiredABox:
     facts: tuple[Fact, ...]
     premise: tuple[Fact, ...] = ()
     source: str = ""  # path of the task file
+    alternatives: tuple[tuple[int, ...], ...] = ()
+
+    @property
+    def ways(self) -> tuple[tuple[int, ...], ...]:
+        """The alternatives, or the one way to reach a goal without a choice: every fact."""
+        return self.alternatives or (tuple(range(len(self.facts))),)

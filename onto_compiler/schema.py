@@ -65,6 +65,7 @@ class Binding:
     threshold: bool = False  # the second argument is the category's JointThreshold
     premise_grounded_by: str | None = None  # what grounds the atom in :init, where that differs
     premise_tolerance: float = 0.0  # how far below zero the margin of an initial fact may lie after settling
+    domain: str = ""  # the task domain whose predicate is meant; empty: LIBERO's
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,24 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
-from onto_compiler.problems import Span
+from onto_compiler.problems import Problem, Span
 
-__all__ = ["And", "Atom", "Declaration", "Formula", "Not", "Or", "Region", "Symbol", "TaskSpec", "atoms"]
+__all__ = [
+    "And",
+    "Atom",
+    "Declaration",
+    "Domain",
+    "Formula",
+    "Imply",
+    "Not",
+    "Or",
+    "Quantified",
+    "Region",
+    "Symbol",
+    "TaskSpec",
+    "Variable",
+    "atoms",
+]
 
 NOWHERE = Span("")
 
@@ -95,12 +110,48 @@ class Not:
     span: Span = field(default=NOWHERE, compare=False)
 
 
-Formula: TypeAlias = Atom | And | Or | Not
+@dataclass(frozen=True, slots=True)
+class Imply:
+    """Where ``antecedent`` holds, so does ``consequent``."""
+
+    antecedent: Formula
+    consequent: Formula
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """A name, with its question mark, that stands for each declared instance of ``category`` in turn."""
+
+    name: str
+    category: str
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Quantified:
+    """``body`` for some of the values of ``variables``; ``kind`` says for which, and ``count`` for how many.
+
+    ``forall``, ``exists`` and ``forn`` (exactly ``count``) bind one variable, ``forpairs`` (as many of each as there
+    are of the fewer) and ``fornpairs`` (at least ``count`` of each) bind two.
+    """
+
+    kind: str
+    variables: tuple[Variable, ...]
+    body: Formula
+    count: int | None = None
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+Formula: TypeAlias = Atom | And | Or | Not | Imply | Quantified
 
 
 @dataclass(frozen=True, slots=True)
 class TaskSpec:
-    """A whole task file. ``language`` is the instruction, single-spaced; ``scene`` pairs a property with its value."""
+    """A whole task file. ``language`` is the instruction, single-spaced; ``scene`` pairs a property with its value.
+
+    ``init`` holds at the start, and ``absent`` does not.
+    """
 
     problem: str
     domain: str
@@ -113,9 +164,12 @@ class TaskSpec:
     goal: Formula
     requirements: tuple[str, ...] = ()
     scene: tuple[tuple[str, str], ...] = ()
+    absent: tuple[Atom, ...] = ()
     file: str = field(default="", compare=False)
     span: Span = field(default=NOWHERE, compare=False)
     domain_span: Span = field(default=NOWHERE, compare=False)
+    language_span: Span = field(default=NOWHERE, compare=False)
+    passed_over: tuple[Problem, ...] = field(default=(), compare=False)  # what was read past, as warnings
 
     @property
     def declarations(self) -> tuple[Declaration, ...]:
@@ -123,12 +177,25 @@ class TaskSpec:
         return (*self.fixtures, *self.objects)
 
 
+@dataclass(frozen=True, slots=True)
+class Domain:
+    """A domain file: each predicate's name with the number of its arguments."""
+
+    name: str
+    predicates: tuple[tuple[str, int], ...]
+    requirements: tuple[str, ...] = ()
+    types: tuple[str, ...] = ()
+    file: str = field(default="", compare=False)
+
+
 def atoms(formula: Formula) -> tuple[Atom, ...]:
     """The atoms of ``formula`` in file order, whatever connects them."""
     match formula:
         case Atom():
             return (formula,)
-        case Not(part=part):
+        case Not(part=part) | Quantified(body=part):
             return atoms(part)
+        case Imply(antecedent=antecedent, consequent=consequent):
+            return (*atoms(antecedent), *atoms(consequent))
         case And(parts=parts) | Or(parts=parts):
             return tuple(atom for part in parts for atom in atoms(part))

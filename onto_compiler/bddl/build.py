@@ -14,17 +14,40 @@ from dataclasses import dataclass, field
 from lark import Token, Tree
 
 from onto_compiler.bddl import codes
-from onto_compiler.bddl.ast import And, Atom, Declaration, Formula, Not, Or, Region, Symbol, TaskSpec
+from onto_compiler.bddl.ast import (
+    And,
+    Atom,
+    Declaration,
+    Domain,
+    Formula,
+    Imply,
+    Not,
+    Or,
+    Quantified,
+    Region,
+    Symbol,
+    TaskSpec,
+    Variable,
+)
+from onto_compiler.bddl.dialects import LIBERO, Dialect, dialect_of
 from onto_compiler.bddl.groups import Group
-from onto_compiler.bddl.sections import KEYWORDS, NEEDED
+from onto_compiler.bddl.sections import KEYWORDS, QUANTIFIERS
 from onto_compiler.problems import Problem, Span
 
-__all__ = ["build"]
+__all__ = ["build", "build_domain"]
 
 Node = Tree[Token]
 
 NUMERAL = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+COUNT = re.compile(r"\d+")
+MAX_COUNT = 10_000
 NO_TARGET = Symbol("")
+DOMAIN_PARTS = {
+    "domain_name": "domain",
+    "requirements": ":requirements",
+    "types": ":types",
+    "predicates": ":predicates",
+}
 
 
 def build(tree: Node, file: str, holes: Sequence[Group] = ()) -> tuple[TaskSpec | None, tuple[Problem, ...]]:
@@ -37,6 +60,13 @@ def build(tree: Node, file: str, holes: Sequence[Group] = ()) -> tuple[TaskSpec 
     return (None if builder.problems else task), tuple(builder.problems)
 
 
+def build_domain(tree: Node, file: str) -> tuple[Domain | None, tuple[Problem, ...]]:
+    """The domain in ``tree``, or None with the problems that were found."""
+    builder = _Builder(file, ())
+    domain = builder.domain(tree)
+    return (None if builder.problems else domain), tuple(builder.problems)
+
+
 @dataclass
 class _Builder:
     """One file's worth of building: what every step needs to know, and the problems so far."""
@@ -44,6 +74,16 @@ class _Builder:
     file: str
     holes: tuple[Group, ...]
     problems: list[Problem] = field(default_factory=list)
+    passed_over: list[Problem] = field(default_factory=list)
+    dialect: Dialect = LIBERO
+
+    def slip(self, span: Span, code: str, message: str, hint: str) -> None:
+        """A problem, or a warning where the dialect's own reader goes on."""
+        if not self.dialect.tolerant:
+            self.problem(span, code, message, hint)
+            return
+        said = f"{message}; readers pass over it"
+        self.passed_over.append(Problem.at(span, codes.PASSED_OVER, said, hint, "warning"))
 
     def problem(self, span: Span, code: str, message: str, hint: str = "") -> None:
         self.problems.append(Problem.at(span, code, message, hint))
@@ -63,8 +103,13 @@ class _Builder:
     def task(self, tree: Node) -> TaskSpec | None:
         whole = self.span(tree)
         spoilt = {name for name in KEYWORDS if any(_begins(hole, KEYWORDS[name]) for hole in self.holes)}
-        found = self.once(_nodes(tree), "section", KEYWORDS)
-        for name in NEEDED:
+        found = self.once((node for node in _nodes(tree) if node.data != "stray"), "section", KEYWORDS)
+        self.dialect = dialect_of(_tokens(found["domain"])[0] if "domain" in found else "")
+        for node in _nodes(tree):
+            if node.data == "stray":
+                self.slip(self.span(node), codes.SYNTAX, "a backslash stands between two sections", "remove it")
+        needed = self.dialect.needed
+        for name in needed:
             if name not in found and name not in spoilt:
                 self.problem(whole, codes.MISSING_PART, f"the task has no `({KEYWORDS[name]} ...)` section")
         empty = Tree[Token]("empty", [])
@@ -73,9 +118,15 @@ class _Builder:
         fixtures = tuple(self.declarations(part["fixtures"], "fixture"))
         objects = tuple(self.declarations(part["objects"], "object"))
         self.unique(fixtures, objects, regions)
-        init = tuple(self.atom(node) for node in _nodes(part["init"]))
+        if self.dialect.tolerant:
+            fixtures, objects = _once(fixtures), _once(objects)
+        init = tuple(self.atom(node) for node in _nodes(part["init"]) if node.data == "atom")
+        absent = tuple(self.atom(_nodes(node)[0]) for node in _nodes(part["init"]) if node.data == "absent")
         goal = [self.formula(node) for node in _nodes(part["goal"])]
-        if self.problems or not goal or not found.keys() >= set(NEEDED):
+        for extra in goal[1:]:
+            message = "expected `)`, found `(`: a goal is one formula"
+            self.slip(extra.span, codes.SYNTAX, message, "a goal is one formula: join several with (And ...)")
+        if self.problems or not goal or not found.keys() >= set(needed):
             return None
         domain = _tokens(part["domain"])[0]
         return TaskSpec(
@@ -90,10 +141,39 @@ class _Builder:
             goal=goal[0],
             requirements=tuple(token.lower() for token in _tokens(part["requirements"])),
             scene=tuple(_property(node) for node in _nodes(part["scene"])),
+            absent=absent,
             file=self.file,
             span=whole,
             domain_span=self.span(domain),
+            language_span=self.words(part["language"]) if "language" in found else whole,
+            passed_over=tuple(self.passed_over),
         )
+
+    def domain(self, tree: Node) -> Domain | None:
+        found = self.once(_nodes(tree), "section", DOMAIN_PARTS)
+        for name in ("domain_name", "predicates"):
+            if name not in found:
+                message = f"the domain has no `({DOMAIN_PARTS[name]} ...)` section"
+                self.problem(self.span(tree), codes.MISSING_PART, message)
+        if self.problems:
+            return None
+        predicates = [_tokens(node) for node in _nodes(found["predicates"])]
+        empty = Tree[Token]("empty", [])
+        return Domain(
+            name=_tokens(found["domain_name"])[0].lower(),
+            predicates=tuple((name.lower(), _count_arguments(arguments)) for name, *arguments in predicates),
+            requirements=tuple(token.lower() for token in _tokens(found.get("requirements", empty))),
+            types=tuple(token.lower() for token in _tokens(found.get("types", empty))),
+            file=self.file,
+        )
+
+    def words(self, section: Node) -> Span:
+        """The place of everything that a section says."""
+        tokens = _tokens(section)
+        if not tokens:
+            return self.span(section)
+        first, last = self.span(tokens[0]), self.span(tokens[-1])
+        return Span(self.file, first.line, first.column, last.end_line, last.end_column)
 
     def once(self, nodes: Iterable[Node], what: str, names: dict[str, str]) -> dict[str, Node]:
         """The first node of each kind; a second one is a problem."""
@@ -132,7 +212,9 @@ class _Builder:
             earlier, later = sorted((other, item), key=lambda each: each.span)
             message = f"`{name}` is declared twice; it is first declared on line {earlier.span.line}"
             hint = "number the instances: `plate_1`, `plate_2`" if isinstance(item, Declaration) else ""
-            self.problem(later.span, codes.DUPLICATE_DECLARATION, message, hint)
+            # Of one category the second says what the first said.
+            same = isinstance(item, Declaration) and isinstance(other, Declaration) and item == other
+            (self.slip if same else self.problem)(later.span, codes.DUPLICATE_DECLARATION, message, hint)
 
     def region(self, node: Node) -> Region:
         name, parts = node.children[0], _nodes(node)
@@ -195,9 +277,33 @@ class _Builder:
                 return self.atom(node)
             case "negation":
                 return Not(self.formula(_nodes(node)[0]), self.span(node))
+            case "implication":
+                antecedent, consequent = map(self.formula, _nodes(node))
+                return Imply(antecedent, consequent, self.span(node))
+            case kind if kind in QUANTIFIERS:
+                return self.quantified(node)
             case kind:
                 parts = tuple(self.formula(part) for part in _nodes(node))
                 return (And if kind == "conjunction" else Or)(parts, self.span(node))
+
+    def quantified(self, node: Node) -> Quantified:
+        *binders, body = _nodes(node)
+        numbers = [self.count(_tokens(each)[0]) for each in binders if each.data == "count"]
+        variables = []
+        for each in binders:
+            if each.data == "variable":
+                name, category = (token for token in _tokens(each) if token.type == "SYMBOL")
+                variables.append(Variable(name.lower(), category.lower(), self.span(name)))
+        return Quantified(
+            node.data, tuple(variables), self.formula(body), numbers[0] if numbers else None, self.span(node)
+        )
+
+    def count(self, token: Token) -> int:
+        if COUNT.fullmatch(token) and len(token) < 6 and int(token) <= MAX_COUNT:
+            return int(token)
+        hint = f"write a whole number up to {MAX_COUNT:,}"
+        self.problem(self.span(token), codes.NOT_A_NUMBER, f"`{token}` is not a number of instances", hint)
+        return 0
 
     def atom(self, node: Node) -> Atom:
         name, *arguments = _tokens(node)
@@ -216,6 +322,19 @@ def _begins(hole: Group, keyword: str) -> bool:
     """Whether a section that was taken out began with ``keyword``, or was meant to."""
     in_task = hole.parent is not None and hole.parent.parent is None
     return in_task and difflib.SequenceMatcher(None, hole.head, keyword).ratio() > 0.7
+
+
+def _once(declarations: tuple[Declaration, ...]) -> tuple[Declaration, ...]:
+    """The first declaration of each name."""
+    first: dict[str, Declaration] = {}
+    for each in declarations:
+        first.setdefault(each.name, each)
+    return tuple(first.values())
+
+
+def _count_arguments(tokens: Sequence[Token]) -> int:
+    """How many names there are, without the categories that follow a dash."""
+    return len(tokens) - 2 * [str(token) for token in tokens].count("-")
 
 
 def _property(node: Node) -> tuple[str, str]:

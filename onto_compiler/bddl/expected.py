@@ -7,6 +7,7 @@ from lark.lexer import PatternStr
 
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.groups import Group
+from onto_compiler.bddl.sections import QUANTIFIERS
 from onto_compiler.problems import Problem, Span, near
 
 __all__ = ["syntax_problem"]
@@ -26,6 +27,7 @@ OPENS = {
     "and": "a formula",
     "or": "a formula",
     "not": "a formula",
+    "imply": "a formula",
     ":scene_properties": "a property such as `(:floor wood)`",
 }
 SYMBOLS = {
@@ -37,6 +39,8 @@ SYMBOLS = {
     "numbers": "a number",
     "region": "the region's name",
     "atom": "a name",
+    "variable": "a name such as `?plate`",
+    "count": "a number",
 }
 HINTS = {
     ":init": "each fact stands in parentheses of its own",
@@ -49,8 +53,13 @@ SURPLUS_HINTS = {
     ":language": "the instruction may hold anything but parentheses",
     ":goal": "a goal is one formula: join several with (And ...)",
     "not": "(Not ...) takes one formula",
+    "imply": "(imply ...) takes two formulas",
+    "forall": "write (forall (?x - category) formula)",
+    "exists": "write (exists (?x - category) formula)",
+    "forn": "write (forn (n) (?x - category) formula)",
+    "forpairs": "write (forpairs (?x - category) (?y - category) formula)",
+    "fornpairs": "write (fornpairs (n) (?x - category) (?y - category) formula)",
 }
-QUANTIFIERS = frozenset({"exists", "forall", "forn", "fornpairs", "forpairs", "imply"})
 
 
 def syntax_problem(error: UnexpectedToken, lark: Lark, span: Span, group: Group | None) -> Problem:
@@ -73,7 +82,7 @@ def syntax_problem(error: UnexpectedToken, lark: Lark, span: Span, group: Group 
             _symbol(kind, after_dash=accepted == {"SYMBOL"} and kind in {":fixtures", ":objects"}, first=first)
         )
     if "LPAR" in accepted:
-        options.append(OPENS.get(kind, "`(`"))
+        options.append("a formula" if kind in QUANTIFIERS and "SYMBOL" not in accepted else OPENS.get(kind, "`(`"))
     if "MINUS" in accepted:
         options.append("`- category`")
     if "RPAR" in accepted:
@@ -86,8 +95,8 @@ def syntax_problem(error: UnexpectedToken, lark: Lark, span: Span, group: Group 
 
 
 def _hint(found: str, kind: str, outer: Group | None, accepted: set[str]) -> str:
-    if outer is not None and outer.kind == "atom" and outer.head in QUANTIFIERS:
-        return f"`{outer.head}` is not supported; name each fact"
+    if outer is not None and outer.kind in QUANTIFIERS | {"imply"}:
+        return SURPLUS_HINTS[outer.kind]
     if found.startswith(":") and "SYMBOL" in accepted:
         return "a name does not begin with `:`"
     if found == "(" and "RPAR" in accepted:

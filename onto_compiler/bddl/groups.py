@@ -10,13 +10,13 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from onto_compiler.bddl.sections import KEYWORDS
+from onto_compiler.bddl.sections import KEYWORDS, QUANTIFIERS
 
 __all__ = ["MAX_DEPTH", "Group", "groups", "too_deep", "unbalanced"]
 
 TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
 MAX_DEPTH = 64
-CONNECTIVES = frozenset({"and", "or", "not"})
+CONNECTIVES = frozenset({"and", "or", "not", "imply"}) | QUANTIFIERS
 SECTION_HEADS = frozenset(KEYWORDS.values())
 # What the groups inside a group are, where that does not depend on how they begin.
 INNER = {
@@ -111,8 +111,12 @@ def _may_hold(kind: str, head: str) -> bool:
 def _kind(parent: str | None, head: str) -> str:
     if parent is None:
         return "define"
+    if parent in QUANTIFIERS and (head.startswith("?") or head.isdigit()):
+        return "variable" if head.startswith("?") else "count"
     if parent in HOLDS_FORMULAS:
         return head if head in CONNECTIVES else "atom"
+    if parent == ":init" and head == "not":
+        return head
     return INNER.get(parent, head)
 
 

@@ -1,7 +1,7 @@
 """The compiler's last pass: native atoms become typed facts (paper, section 3: phi_req).
 
-Takes a task and the TBox; removes connectives and native names, introduces predicate and class IRIs. The spans of atoms
-survive, so a finding about a fact still points into the task file.
+Takes a task and the TBox; removes quantifiers, connectives and native names, introduces predicate and class IRIs. The
+spans of atoms survive, so a finding about a fact still points into the task file.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import Atom, Symbol, TaskSpec
+from onto_compiler.bddl.dialects import LIBERO, dialect_of
 from onto_compiler.bddl.lint import lint
-from onto_compiler.bddl.literals import literals
+from onto_compiler.bddl.literals import goal_of
 from onto_compiler.bddl.scope import Named, Scope, scope_of
 from onto_compiler.problems import OntoError, Problem, near
 from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
@@ -39,13 +40,15 @@ def lift(spec: TaskSpec, schema: Schema, task: str) -> tuple[RequiredABox, tuple
 
     """
     scope = scope_of(spec, schema)
-    lifter, initial = _Lifter(schema, scope), _Lifter(schema, scope, premise=True)
-    wanted, problems = literals(spec.goal)
-    goal = [lifter.fact(atom, polarity=polarity) for atom, polarity in wanted]
+    lifter, initial = _Lifter(schema, scope, spec.domain), _Lifter(schema, scope, spec.domain, premise=True)
+    wanted, problems = goal_of(spec)
+    goal = [lifter.fact(atom, polarity=polarity) for atom, polarity in wanted.literals]
     premise = [initial.fact(atom, polarity=True) for atom in spec.init]
-    errors = [*problems, *(problem for result in goal for problem in result.problems)]
+    premise += [initial.fact(atom, polarity=False) for atom in spec.absent]
+    # One atom under a quantifier gives one problem, however many instances it was ground with.
+    errors = list(dict.fromkeys([*problems, *(problem for result in goal for problem in result.problems)]))
     findings = [replace(problem, severity="warning") for result in premise for problem in result.problems]
-    warnings = tuple(sorted({*findings, *lint(spec)}))
+    warnings = tuple(sorted({*findings, *lint(spec, None if problems else wanted)}))
     if errors:
         raise OntoError(*errors, *warnings)
     abox = RequiredABox(
@@ -55,6 +58,7 @@ def lift(spec: TaskSpec, schema: Schema, task: str) -> tuple[RequiredABox, tuple
         facts=tuple(result.fact for result in goal if result.fact is not None),
         premise=tuple(result.fact for result in premise if result.fact is not None),
         source=spec.file,
+        alternatives=wanted.alternatives,
     )
     return abox, warnings
 
@@ -71,13 +75,22 @@ class _Result:
 class _Lifter:
     schema: Schema
     scope: Scope
+    domain: str
     premise: bool = False
 
     def fact(self, atom: Atom, *, polarity: bool) -> _Result:
         """Lift one atom; an atom with several faults has a problem for each."""
         name = atom.predicate.casefold()
-        bindings = [each for each in self.schema.bindings if each.native.casefold() == name]
-        direct = self.schema.predicate_named(name)
+        native = dialect_of(self.domain) is LIBERO
+        bindings = [
+            each
+            for each in self.schema.bindings
+            if each.native.casefold() == name and (each.domain == self.domain or (native and not each.domain))
+        ]
+        # Another domain's predicate may share its name with ours and mean something else: it needs a binding.
+        direct = self.schema.predicate_named(name) if native else None
+        if not native and not bindings:
+            return _Result(problems=(self.no_binding(atom),))
         signatures = [each.arguments for each in bindings] or ([direct.parameters] if direct else [])
         problems = [problem for symbol in atom.arguments for problem in self.unknown_name(symbol)]
         count = len(atom.arguments)
@@ -85,7 +98,7 @@ class _Lifter:
             problems.append(self.unknown_predicate(atom))
         elif count not in {len(each) for each in signatures} and not (direct and count == len(direct.parameters)):
             problems.append(_wrong_count(atom, signatures))
-        if problems:
+        if problems or any(symbol.name.startswith("?") for symbol in atom.arguments):
             return _Result(problems=tuple(problems))
         named = [self.scope.names[symbol.name] for symbol in atom.arguments]
         for binding in bindings:
@@ -162,9 +175,14 @@ class _Lifter:
 
     # Problems
 
+    def no_binding(self, atom: Atom) -> Problem:
+        message = f"`{atom.predicate}` of the domain `{self.domain}` has no binding"
+        hint = f'declare a core:Binding with core:native "{atom.predicate}" and core:nativeDomain "{self.domain}"'
+        return Problem.at(atom.name_span, codes.NO_BINDING, message, hint)
+
     def unknown_name(self, symbol: Symbol) -> Iterator[Problem]:
-        if symbol.name in self.scope.names:
-            return
+        if symbol.name in self.scope.names or symbol.name.startswith("?"):
+            return  # a variable that nothing binds has a problem already
         orphan = self.scope.orphans.get(symbol.name)
         if orphan is not None:
             message = f"`{symbol.name}` is a region of `{orphan.target.name}`, which is not declared"

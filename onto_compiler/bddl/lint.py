@@ -2,27 +2,70 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from itertools import groupby
+from pathlib import PurePath
 
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import Declaration, TaskSpec
+from onto_compiler.bddl.dialects import DIALECTS, dialect_of
+from onto_compiler.bddl.lint_goal import lint_goal
+from onto_compiler.bddl.literals import Goal
 from onto_compiler.problems import Problem, near
 
 __all__ = ["lint"]
 
+# A model that was asked for paraphrases introduced its list, and the introduction became a task's instruction.
+PREAMBLE = re.compile(
+    r"\b(?:here (?:are|is)|below (?:are|is)|the following|these are)\b.*"
+    r"\b(?:variations?|versions?|paraphrases?|rephrasings?|rewordings?|instructions?|sentences)\b"
+    r"|\b\d+ (?:variations?|versions?|paraphrases?|rephrasings?|rewordings?)\b"
+    r"|\bas an ai\b|\boriginal instruction\b",
+    re.IGNORECASE,
+)
+FILE_WORD = re.compile(r"\.bddl\b|\b\w+_\w*\d\w*\b|\b[A-Z]+(?:_[A-Z]+)+\d*\b|_")
 
-def lint(spec: TaskSpec) -> tuple[Problem, ...]:
-    """Warnings on ``spec`` in file order."""
-    return tuple(
-        sorted([*_domain(spec), *_targets(spec), *_split(spec.fixtures), *_split(spec.objects), *_interest(spec)])
-    )
+
+def lint(spec: TaskSpec, goal: Goal | None = None) -> tuple[Problem, ...]:
+    """Warnings on ``spec`` in file order; ``goal`` is what its goal came to, or None where it came to nothing."""
+    found = [
+        *_domain(spec),
+        *_language(spec),
+        *_targets(spec),
+        *_split(spec.fixtures),
+        *_split(spec.objects),
+        *_placed(spec),
+        *_interest(spec),
+        *spec.passed_over,
+    ]
+    if goal is not None:
+        found += lint_goal(spec, goal)
+    return tuple(sorted(set(found)))
 
 
 def _domain(spec: TaskSpec) -> Iterator[Problem]:
-    if spec.domain != "robosuite":
+    if all(spec.domain not in dialect.domains for dialect in DIALECTS):
         message = f"the domain is `{spec.domain}`; LIBERO plays `robosuite` alone"
         yield Problem.at(spec.domain_span, codes.FOREIGN_DOMAIN, message, "write (:domain robosuite)", "warning")
+
+
+def _language(spec: TaskSpec) -> Iterator[Problem]:
+    """An instruction that is not one: what came before it in a model's answer, or the name of a file."""
+    hint = "write what a person would ask of the robot, and nothing else"
+    if match := PREAMBLE.search(spec.language):
+        message = f"the instruction announces instructions: `{match.group()}`"
+        yield Problem.at(spec.language_span, codes.STRANGE_LANGUAGE, message, hint, "warning")
+    elif (piece := FILE_WORD.search(spec.language)) is not None or (piece := _suffix(spec)) is not None:
+        message = f"the instruction holds a piece of a file's name: `{piece.group()}`"
+        yield Problem.at(spec.language_span, codes.STRANGE_LANGUAGE, message, hint, "warning")
+
+
+def _suffix(spec: TaskSpec) -> re.Match[str] | None:
+    """The end of the instruction where it is a numbered end of the file's name too, as ``view 0 0 100``."""
+    stem = PurePath(spec.file).name.removesuffix(".bddl").replace("_", " ").lower()
+    match = re.search(r"(?:\b[a-z]+ )?\d+(?: \d+)*$", spec.language.lower())
+    return match if match is not None and stem.endswith(match.group()) else None
 
 
 def _targets(spec: TaskSpec) -> Iterator[Problem]:
@@ -40,14 +83,30 @@ def _targets(spec: TaskSpec) -> Iterator[Problem]:
 
 
 def _split(declarations: Sequence[Declaration]) -> Iterator[Problem]:
-    """A category that comes back: LIBERO's reader keeps only the last list of a category."""
+    """A category that comes back: the readers of LIBERO and BEHAVIOR keep only the last list of a category."""
     seen: set[str] = set()
     for category, group in groupby(declarations, key=lambda each: each.category):
         if category in seen:
-            message = f"the names of category `{category}` stand in two lists; LIBERO keeps only the last"
+            message = f"the names of category `{category}` stand in two lists, of which only the last is kept"
             hint = f"write them as one list before `- {category}`"
             yield Problem.at(next(group).span, codes.SPLIT_CATEGORY, message, hint, "warning")
         seen.add(category)
+
+
+def _placed(spec: TaskSpec) -> Iterator[Problem]:
+    """Objects that nothing is said of at the start: nobody knows where they are."""
+    places = dialect_of(spec.domain).places
+    told = {
+        symbol.name
+        for atom in (*spec.init, *(() if places else spec.absent))
+        if not places or atom.predicate.lower() in places
+        for symbol in (atom.arguments[:1] if places else atom.arguments)
+    }
+    for each in spec.objects:
+        if each.name not in told:
+            message = f"`{each.name}` is declared, and `:init` does not place it"
+            hint = f"say where it is, as in `(On {each.name} ...)`, or remove it" if places else "say where it is"
+            yield Problem.at(each.span, codes.NEVER_PLACED, message, hint, "warning")
 
 
 def _interest(spec: TaskSpec) -> Iterator[Problem]:

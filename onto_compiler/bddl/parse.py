@@ -10,13 +10,13 @@ from pathlib import Path
 from lark import Lark, Token, Tree, UnexpectedToken
 
 from onto_compiler.bddl import codes
-from onto_compiler.bddl.ast import TaskSpec
-from onto_compiler.bddl.build import build
+from onto_compiler.bddl.ast import Domain, TaskSpec
+from onto_compiler.bddl.build import build, build_domain
 from onto_compiler.bddl.expected import syntax_problem
 from onto_compiler.bddl.groups import MAX_DEPTH, Group, groups, too_deep, unbalanced
 from onto_compiler.problems import OntoError, Problem, Span, near
 
-__all__ = ["parse", "parse_file"]
+__all__ = ["parse", "parse_domain", "parse_file"]
 
 
 def parse_file(path: str | Path) -> TaskSpec:
@@ -26,7 +26,10 @@ def parse_file(path: str | Path) -> TaskSpec:
         OntoError: the file cannot be read, or is not a well-formed task.
 
     """
-    path = Path(path)
+    return parse(_text_of(Path(path)), str(path))
+
+
+def _text_of(path: Path) -> str:
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -34,14 +37,13 @@ def parse_file(path: str | Path) -> TaskSpec:
         hint = near(path.name, _neighbours(path)) if not path.exists() else ""
         raise OntoError.of(codes.UNREADABLE, f"the task file cannot be read: {reason}", hint, str(path)) from None
     try:
-        text = data.decode("utf-8")
+        return data.decode("utf-8")
     except UnicodeDecodeError as error:
         before = data[: error.start].decode("utf-8")
         span = _point(str(path), before + "?", len(before))
         message = f"byte 0x{data[error.start]:02x} is not UTF-8"
         hint = "save the file with the encoding UTF-8"
         raise OntoError(Problem.at(span, codes.UNREADABLE, message, hint)) from None
-    return parse(text, str(path))
 
 
 def parse(text: str, file: str = "<string>") -> TaskSpec:
@@ -51,6 +53,35 @@ def parse(text: str, file: str = "<string>") -> TaskSpec:
         OntoError: ``text`` is not a well-formed task; the error holds every problem found.
 
     """
+    text = _sound(text, file)
+    tree, problems, holes = _read(text, file, "task")
+    if tree is not None:
+        spec, found = build(tree, file, holes)
+        if spec is not None and not problems:
+            return spec
+        problems += found
+    raise OntoError(*problems)
+
+
+def parse_domain(path: str | Path) -> Domain:
+    """Read the domain file at ``path`` (UTF-8): which predicates the tasks of a domain may use.
+
+    Raises:
+        OntoError: the file cannot be read, or is not a well-formed domain.
+
+    """
+    text = _sound(_text_of(Path(path)), str(path))
+    tree, problems, _ = _read(text, str(path), "domain_file")
+    if tree is not None and not problems:
+        domain, found = build_domain(tree, str(path))
+        if domain is not None:
+            return domain
+        problems += found
+    raise OntoError(*problems)
+
+
+def _sound(text: str, file: str) -> str:
+    """``text`` with line ends as they are here; raises where its parentheses do not match."""
     if text.startswith("\ufeff"):
         message, hint = "the file starts with a byte-order mark", "save it as UTF-8 without one; LIBERO cannot read it"
         raise OntoError(Problem(file, 1, 1, codes.UNREADABLE, "error", message, hint))
@@ -61,22 +92,16 @@ def parse(text: str, file: str = "<string>") -> TaskSpec:
     if (deep := too_deep(text)) is not None:
         message = f"parentheses are nested more than {MAX_DEPTH} deep"
         raise OntoError(Problem.at(_point(file, text, deep), codes.SYNTAX, message))
-    tree, problems, holes = _read(text, file)
-    if tree is not None:
-        spec, found = build(tree, file, holes)
-        if spec is not None and not problems:
-            return spec
-        problems += found
-    raise OntoError(*problems)
+    return text
 
 
 @cache
 def _lark() -> Lark:
     grammar = resources.files("onto_compiler.bddl").joinpath("grammar.lark").read_text("utf-8")
-    return Lark(grammar, start="task", parser="lalr", propagate_positions=True)
+    return Lark(grammar, start=["task", "domain_file"], parser="lalr", propagate_positions=True)
 
 
-def _read(text: str, file: str) -> tuple[Tree[Token] | None, list[Problem], tuple[Group, ...]]:
+def _read(text: str, file: str, start: str) -> tuple[Tree[Token] | None, list[Problem], tuple[Group, ...]]:
     """Parse ``text``; at a syntax error, blank the group that it is in and try again.
 
     Returns the tree of what is left (None where nothing is), the problems, and the groups that were blanked.
@@ -86,7 +111,7 @@ def _read(text: str, file: str) -> tuple[Tree[Token] | None, list[Problem], tupl
     parts: tuple[Group, ...] | None = None
     while True:
         try:
-            return _lark().parse(text), problems, tuple(blanked)
+            return _lark().parse(text, start=start), problems, tuple(blanked)
         except UnexpectedToken as error:
             parts = groups(text) if parts is None else parts
             position = len(text) if error.token.type == "$END" else error.token.start_pos or 0
@@ -96,8 +121,8 @@ def _read(text: str, file: str) -> tuple[Tree[Token] | None, list[Problem], tupl
                 problems.append(syntax_problem(error, _lark(), _point(file, text, position), group))
             if group is None or group.parent is None:
                 return None, problems, tuple(blanked)
-            if group.parent.kind == "atom":
-                group = group.parent  # an atom holds no groups: it is the atom that is broken
+            if group.parent.kind == "atom" or group.kind in {"variable", "count"}:
+                group = group.parent  # an atom holds no groups, and a quantifier is nothing without its variable
             blanked.append(group)
             text = _blank(text, group)
 

@@ -5,7 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
-from onto_compiler.bddl.ast import And, Atom, Declaration, Formula, Not, Or, Region, TaskSpec
+from onto_compiler.bddl.ast import (
+    And,
+    Atom,
+    Declaration,
+    Formula,
+    Imply,
+    Not,
+    Or,
+    Quantified,
+    Region,
+    TaskSpec,
+    Variable,
+)
+from onto_compiler.bddl.dialects import dialect_of
 
 __all__ = ["format_task"]
 
@@ -19,13 +32,13 @@ def format_task(spec: TaskSpec) -> str:
     sections = [
         [f"(:domain {spec.domain})"],
         [f"(:requirements {' '.join(spec.requirements)})"] if spec.requirements else [],
-        [f"(:language {spec.language})"],
+        [f"(:language {spec.language})"] if spec.language or "language" in dialect_of(spec.domain).needed else [],
         _section(":regions", [line for region in spec.regions for line in _region(region)]),
         _section(":fixtures", list(_declarations(spec.fixtures))),
         _section(":objects", list(_declarations(spec.objects))),
         _section(":obj_of_interest", [symbol.name for symbol in spec.interest]),
         _section(":scene_properties", [f"({key} {value})" for key, value in spec.scene]),
-        _section(":init", [str(atom) for atom in spec.init]) or ["(:init)"],
+        _section(":init", [*map(str, spec.init), *(f"(not {atom})" for atom in spec.absent)]) or ["(:init)"],
         _section(":goal", list(_formula(spec.goal))),
     ]
     body = "\n\n".join("\n".join(f"  {line}" for line in section) for section in sections if section)
@@ -67,6 +80,17 @@ def _formula(formula: Formula) -> Iterator[str]:
             yield from _connective("And", parts)
         case Or(parts=parts):
             yield from _connective("Or", parts)
+        case Imply(antecedent=antecedent, consequent=consequent):
+            yield from _connective("imply", (antecedent, consequent))
+        case Quantified(kind=kind, variables=variables, body=body, count=count):
+            number = "" if count is None else f" ({count})"
+            yield f"({kind}{number} {' '.join(map(_variable, variables))}"
+            yield from (f"  {line}" for line in _formula(body))
+            yield ")"
+
+
+def _variable(variable: Variable) -> str:
+    return f"({variable.name} - {variable.category})"
 
 
 def _connective(word: str, parts: Sequence[Formula]) -> Iterator[str]:

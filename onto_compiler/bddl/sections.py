@@ -1,10 +1,10 @@
-"""The sections of a task file: the grammar's name of each, and the keyword that it begins with."""
+"""The sections of a task file: the grammar's name of each, the keyword it begins with; and what binds variables."""
 
 from __future__ import annotations
 
 from typing import Final
 
-__all__ = ["KEYWORDS", "NEEDED"]
+__all__ = ["KEYWORDS", "QUANTIFIERS"]
 
 KEYWORDS: Final = {
     "problem": "problem",
@@ -19,4 +19,4 @@ KEYWORDS: Final = {
     "init": ":init",
     "goal": ":goal",
 }
-NEEDED: Final = ("problem", "domain", "language", "init", "goal")
+QUANTIFIERS: Final = frozenset({"exists", "forall", "forn", "fornpairs", "forpairs"})

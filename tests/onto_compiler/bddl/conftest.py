@@ -56,16 +56,18 @@ def schema() -> Schema:
         binding(20, "On", "Object Area", "leftOf", "on_area", landmark=re.compile(r"left_of_(?P<landmark>.+)")),
         binding(30, "On", "Object Region", "on", "on_site"),
         binding(40, "Open", "Drawer", "jointState", "joint", threshold=True),
+        binding(45, "Close", "Drawer", "jointState", "joint", threshold=True),
         binding(50, "Turnon", "Drawer", "jointState", "joint", threshold=True),
     )
     opened = JointThreshold(iri("cabinetOpen"), "wooden_cabinet", "Open", False, -0.14, False, False, "M")
+    closed = JointThreshold(iri("cabinetClosed"), "wooden_cabinet", "Close", True, -0.005, False, True, "M")
     return Schema(
         classes={iri(name): frozenset(map(iri, (name, *above))) for name, above in SUPERCLASSES.items()},
         predicates={each.iri: each for each in predicates},
         failures={},
         routes={},
         bindings=bindings,
-        thresholds={("wooden_cabinet", "Open"): opened},
+        thresholds={("wooden_cabinet", "Open"): opened, ("wooden_cabinet", "Close"): closed},
         categories={"akita_black_bowl": iri("Bowl"), "table": iri("Table")},
         regions={
             ("flat_stove", "cook_region"): iri("Cooktop"),

@@ -18,7 +18,8 @@ SCENE = """
   (rim (:target bowl_1)))
 (:fixtures table_1 - table cabinet_1 - wooden_cabinet stove_1 - flat_stove)
 (:objects bowl_1 - akita_black_bowl plate_1 - plate cup_1 cup_2 - cup)
-(:init INIT) (:goal GOAL))
+(:init (On bowl_1 stove_1_cook_region) (On plate_1 stove_1_cook_region) (On cup_1 stove_1_cook_region)
+  (On cup_2 stove_1_cook_region) INIT) (:goal GOAL))
 """
 
 
@@ -60,6 +61,7 @@ def test_a_task_lifts_whole(task_file, schema):
     assert [str(fact) for fact in abox.premise] == [
         "on(akita_black_bowl_1, main_table_bowl_region)",
         "on(plate_1, main_table_plate_region)",
+        "on(plate_2, main_table_plate_region)",
     ]
 
 
@@ -98,7 +100,7 @@ def test_a_landmark_that_is_not_there_or_not_alone_leaves_the_region(facts):
 
 
 def test_a_landmark_of_a_single_category_is_its_instance(schema):
-    text = SCENE.replace("cup_1 cup_2 - cup", "cup_1 - cup").replace("INIT", "")
+    text = SCENE.replace("cup_1 cup_2 - cup", "cup_1 - cup").replace("(On cup_2 stove_1_cook_region) INIT", "")
     spec = parse(text.replace("GOAL", "(On bowl_1 table_1_left_of_cup)"))
     assert [str(fact) for fact in required_abox(spec, schema, "task").facts] == ["leftOf(bowl_1, cup_1)"]
 
@@ -125,15 +127,92 @@ def test_negation_becomes_polarity(lifted, goal, polarities):
 
 
 @pytest.mark.parametrize(
-    "goal",
+    ("goal", "facts", "alternatives"),
     [
-        "(Or (On bowl_1 plate_1) (On cup_1 plate_1))",
-        "(Not (And (On bowl_1 plate_1) (On cup_1 plate_1)))",
-        "(And (On bowl_1 plate_1) (Or (On cup_1 plate_1) (On cup_2 plate_1)))",
+        (
+            "(Or (On bowl_1 plate_1) (On cup_1 plate_1))",
+            ["stacked(bowl_1, plate_1)", "stacked(cup_1, plate_1)"],
+            ((0,), (1,)),
+        ),
+        (
+            "(Not (And (On bowl_1 plate_1) (On cup_1 plate_1)))",
+            ["not stacked(bowl_1, plate_1)", "not stacked(cup_1, plate_1)"],
+            ((0,), (1,)),
+        ),
+        (
+            "(And (On bowl_1 plate_1) (Or (On cup_1 plate_1) (oN cup_1 plate_1) (On cup_2 plate_1)))",
+            ["stacked(bowl_1, plate_1)", "stacked(cup_1, plate_1)", "stacked(cup_2, plate_1)"],
+            ((0, 1), (0, 2)),
+        ),
+        (
+            "(forall (?cup - cup) (On ?cup plate_1))",
+            ["stacked(cup_1, plate_1)", "stacked(cup_2, plate_1)"],
+            (),
+        ),
+        (
+            "(exists (?cup - cup) (not (On ?cup plate_1)))",
+            ["not stacked(cup_1, plate_1)", "not stacked(cup_2, plate_1)"],
+            ((0,), (1,)),
+        ),
+        (
+            "(forn (1) (?cup - cup) (On ?cup plate_1))",
+            [
+                "stacked(cup_1, plate_1)",
+                "not stacked(cup_1, plate_1)",
+                "stacked(cup_2, plate_1)",
+                "not stacked(cup_2, plate_1)",
+            ],
+            ((0, 3), (1, 2)),
+        ),
+        (
+            "(imply (On cup_1 plate_1) (On bowl_1 plate_1))",
+            ["not stacked(cup_1, plate_1)", "stacked(bowl_1, plate_1)"],
+            ((0,), (1,)),
+        ),
+        (
+            "(Or (On cup_1 plate_1) (And (On cup_1 plate_1) (On cup_2 plate_1)))",
+            ["stacked(cup_1, plate_1)"],
+            (),
+        ),
+        (
+            "(And (Not (On cup_1 plate_1)) (Or (On cup_1 plate_1) (On cup_2 plate_1)))",
+            ["not stacked(cup_1, plate_1)", "stacked(cup_2, plate_1)"],
+            (),
+        ),
     ],
 )
-def test_a_choice_is_refused(lifted, goal):
-    assert problems(lifted, goal) == [("BDDL014", "error")]
+def test_a_choice_becomes_alternatives(lifted, goal, facts, alternatives):
+    abox, _ = lifted(goal)
+    assert [str(fact) for fact in abox.facts] == facts
+    assert abox.alternatives == alternatives
+    assert abox.ways == (alternatives or (tuple(range(len(facts))),))
+
+
+def test_a_ground_fact_points_at_the_atom_under_its_quantifier(lifted):
+    goal = "(forall (?cup - cup) (On ?cup plate_1))"
+    first, second = lifted(goal)[0].facts
+    assert first.span == second.span
+    assert first.span.end_column - first.span.column == len("(On ?cup plate_1)")
+
+
+def test_an_atom_under_a_quantifier_has_one_problem(lifted):
+    assert problems(lifted, "(forall (?cup - cup) (Sparkles ?cup))") == [("BDDL003", "error")]
+
+
+def test_a_binding_of_another_domain_lifts_the_predicates_of_that_domain_alone(schema):
+    text = SCENE.replace("INIT", "(not (On cup_1 plate_1))").replace("GOAL", "(Stacked bowl_1 plate_1)")
+    mine = dataclasses.replace(schema.bindings[0], native="ontop", domain="omnigibson")
+    other = dataclasses.replace(schema, bindings=(*schema.bindings, mine))
+    behavior = text.replace("robosuite", "omnigibson")
+    with pytest.raises(OntoError, match="`Stacked` of the domain `omnigibson` has no binding"):
+        lift(parse(behavior), other, "task")
+    spec = parse(behavior.replace("Stacked", "ontop").replace("(not (On", "(not (ontop"))
+    abox, warnings = lift(spec, other, "task")
+    assert [str(fact) for fact in abox.facts] == ["stacked(bowl_1, plate_1)"]
+    assert [str(fact) for fact in abox.premise] == ["not stacked(cup_1, plate_1)"]
+    assert {each.code for each in warnings} == {"BDDL020"}  # the four initial facts that say On
+    with pytest.raises(OntoError, match="`ontop` is not a predicate of the ontology"):
+        lift(parse(text.replace("Stacked", "ontop")), other, "task")
 
 
 def test_every_problem_of_a_goal_is_found(lifted):
@@ -151,8 +230,12 @@ def test_every_problem_of_a_goal_is_found(lifted):
 
 def test_an_initial_fact_that_does_not_lift_is_a_warning(lifted):
     abox, warnings = lifted("(On bowl_1 plate_1)", init="(On bowl_1 plate_1) (Sparkles bowl_1) (On bowl_1 table_1)")
-    assert [str(fact) for fact in abox.premise] == ["stacked(bowl_1, plate_1)"]
-    assert [(each.code, each.severity) for each in warnings] == [("BDDL003", "warning"), ("BDDL012", "warning")]
+    assert [str(fact) for fact in abox.premise][4:] == ["stacked(bowl_1, plate_1)"]
+    assert [(each.code, each.severity) for each in warnings] == [
+        ("BDDL003", "warning"),
+        ("BDDL012", "warning"),
+        ("BDDL028", "warning"),  # the goal holds at the start
+    ]
 
 
 def test_an_unknown_name_suggests_the_nearest(lifted):

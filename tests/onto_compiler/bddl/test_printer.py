@@ -7,22 +7,51 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from onto_compiler.bddl import format_task, parse, parse_file
-from onto_compiler.bddl.ast import And, Atom, Declaration, Not, Or, Region, Symbol, TaskSpec
+from onto_compiler.bddl.ast import (
+    And,
+    Atom,
+    Declaration,
+    Imply,
+    Not,
+    Or,
+    Quantified,
+    Region,
+    Symbol,
+    TaskSpec,
+    Variable,
+)
+from onto_compiler.bddl.sections import QUANTIFIERS
 
 NAMES = st.from_regex(r"[a-z_][a-z0-9_.?-]{0,7}", fullmatch=True)
 PREDICATES = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,7}", fullmatch=True).filter(
-    lambda name: name.lower() not in {"and", "or", "not"}
+    lambda name: name.lower() not in {"and", "or", "not", "imply"} | QUANTIFIERS
 )
 WORDS = st.text(st.characters(exclude_characters="();", exclude_categories=("C", "Z")), min_size=1, max_size=6)
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
 SYMBOLS = st.builds(Symbol, NAMES)
 ATOMS = st.builds(Atom, PREDICATES, st.lists(SYMBOLS, max_size=3).map(tuple))
+VARIABLES = st.builds(Variable, NAMES.map("?{}".format), NAMES)
+
+
+def quantified(inner):
+    one, two = (st.tuples(*[VARIABLES] * count) for count in (1, 2))
+    numbers = st.integers(0, 10_000)
+    return st.one_of(
+        st.builds(Quantified, st.sampled_from(["forall", "exists"]), one, inner),
+        st.builds(Quantified, st.just("forn"), one, inner, numbers),
+        st.builds(Quantified, st.just("forpairs"), two, inner),
+        st.builds(Quantified, st.just("fornpairs"), two, inner, numbers),
+    )
+
+
 FORMULAS = st.recursive(
     ATOMS,
     lambda inner: st.one_of(
         st.builds(And, st.lists(inner, max_size=3).map(tuple)),
         st.builds(Or, st.lists(inner, max_size=3).map(tuple)),
         st.builds(Not, inner),
+        st.builds(Imply, inner, inner),
+        quantified(inner),
     ),
     max_leaves=6,
 )
@@ -44,13 +73,14 @@ def specs(draw):
     regions = draw(st.lists(REGIONS, max_size=3, unique_by=lambda region: region.site))
     return TaskSpec(
         problem=draw(PREDICATES),
-        domain=draw(NAMES),
+        domain=draw(NAMES | st.sampled_from(["robosuite", "igibson", "omnigibson"])),
         language=" ".join(draw(st.lists(WORDS, max_size=6))),
         regions=tuple(region for region in regions if region.site not in names),
         fixtures=tuple(declared[:cut]),
         objects=tuple(declared[cut:]),
         interest=tuple(draw(st.lists(SYMBOLS, max_size=3))),
         init=tuple(draw(st.lists(ATOMS, max_size=3))),
+        absent=tuple(draw(st.lists(ATOMS, max_size=2))),
         goal=draw(FORMULAS),
         requirements=tuple(draw(st.lists(st.sampled_from([":strips", ":adl"]), max_size=2))),
         scene=tuple(draw(st.lists(st.tuples(st.sampled_from([":floor", ":wall"]), NAMES), max_size=2))),

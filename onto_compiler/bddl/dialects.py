@@ -1,0 +1,54 @@
+"""The dialects of BDDL: one grammar, and what a task file must have depends on the domain that it names.
+
+LIBERO-Plus and LIBERO-PRO write LIBERO's own dialect: what they vary is the scene and the instruction. BEHAVIOR's tasks
+name WordNet categories, bind variables by quantifiers, and have no instruction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+__all__ = ["BEHAVIOR", "DIALECTS", "LIBERO", "Dialect", "dialect_of"]
+
+
+@dataclass(frozen=True, slots=True)
+class Dialect:
+    """``domains`` are the names that mark a task as this dialect's; ``needed`` are the sections that it cannot lack."""
+
+    name: str
+    domains: frozenset[str]
+    needed: tuple[str, ...]
+    supports: tuple[str, ...]  # predicates that say what something rests on, in lower case
+    contains: tuple[str, ...]  # predicates that say what something is in
+    opposites: tuple[tuple[str, str], ...]  # unary predicates of which not both hold
+    places: tuple[str, ...]  # predicates that say where something is at the start; none: every fact counts
+    tolerant: bool = False  # its published files hold slips that its own reader passes over; so do we, with a warning
+
+
+LIBERO: Final = Dialect(
+    name="LIBERO",
+    domains=frozenset({"robosuite"}),
+    needed=("problem", "domain", "language", "init", "goal"),
+    supports=("on",),
+    contains=("in",),
+    opposites=(("open", "close"), ("turnon", "turnoff")),
+    places=("on", "in"),
+)
+# Substances have no place of their own (`filled`, `covered`), and what is `future` is made by the robot.
+BEHAVIOR: Final = Dialect(
+    name="BEHAVIOR",
+    domains=frozenset({"igibson", "omnigibson"}),
+    needed=("problem", "domain", "init", "goal"),
+    supports=("ontop",),
+    contains=("inside",),
+    opposites=(("folded", "unfolded"),),
+    places=(),
+    tolerant=True,
+)
+DIALECTS: Final = (LIBERO, BEHAVIOR)
+
+
+def dialect_of(domain: str) -> Dialect:
+    """The dialect of the tasks of ``domain``; LIBERO's where nobody else claims it."""
+    return next((dialect for dialect in DIALECTS if domain.lower() in dialect.domains), LIBERO)

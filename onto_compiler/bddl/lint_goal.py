@@ -1,0 +1,117 @@
+"""Goals that cannot hold, hold already, or say a thing twice. Findings are warnings.
+
+A goal with alternatives is at fault where each of them is; what it merely repeats is looked for in goals without a
+choice, since alternatives share their facts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TypeAlias
+
+from onto_compiler.bddl import codes
+from onto_compiler.bddl.ast import Atom, TaskSpec
+from onto_compiler.bddl.dialects import Dialect, dialect_of
+from onto_compiler.bddl.literals import Goal, Literal
+from onto_compiler.problems import Problem
+
+__all__ = ["lint_goal"]
+
+Way: TypeAlias = tuple[Literal, ...]
+Key: TypeAlias = tuple[str, tuple[str, ...]]
+
+
+def lint_goal(spec: TaskSpec, goal: Goal) -> tuple[Problem, ...]:
+    """Warnings on the goal of ``spec``."""
+    dialect = dialect_of(spec.domain)
+    found = [] if goal.alternatives else list(_repeated(goal.literals))
+    checks: tuple[Callable[[Way, Dialect], Iterator[Problem]], ...] = (_contradicted, _opposed, _supported, _itself)
+    for check in checks:
+        each = [list(check(way, dialect)) for way in goal.ways]
+        if all(each):
+            found += each[0]
+    found += _already(spec, goal)
+    return tuple(dict.fromkeys(found))
+
+
+def _key(atom: Atom) -> Key:
+    return atom.predicate.lower(), tuple(symbol.name for symbol in atom.arguments)
+
+
+def _repeated(literals: Way) -> Iterator[Problem]:
+    seen: dict[tuple[Key, bool], Atom] = {}
+    for atom, polarity in literals:
+        first = seen.setdefault((_key(atom), polarity), atom)
+        if first is not atom and first.span != atom.span:
+            message = f"the goal asks for `{atom}` twice; the first time on line {first.span.line}"
+            yield Problem.at(atom.span, codes.DUPLICATE_ATOM, message, "remove one of the two", "warning")
+
+
+def _contradicted(way: Way, dialect: Dialect) -> Iterator[Problem]:  # noqa: ARG001 - one signature for every check
+    wanted = {_key(atom): atom for atom, polarity in way if polarity}
+    for atom, polarity in way:
+        first = wanted.get(_key(atom))
+        if not polarity and first is not None:
+            message = f"the goal can never hold: `{atom}` shall and shall not be (line {first.span.line})"
+            yield Problem.at(atom.span, codes.CONTRADICTION, message, "remove one of the two", "warning")
+
+
+def _opposed(way: Way, dialect: Dialect) -> Iterator[Problem]:
+    """Two predicates of which not both hold, as Open and Close of one joint."""
+    wanted = {_key(atom): atom for atom, polarity in way if polarity}
+    for one, other in dialect.opposites:
+        for (predicate, arguments), atom in wanted.items():
+            rival = wanted.get((other, arguments)) if predicate == one else None
+            if rival is not None:
+                later, first = (rival, atom) if rival.span > atom.span else (atom, rival)
+                message = (
+                    f"the goal can never hold: `{later}` and `{first}` (line {first.span.line}) exclude each other"
+                )
+                yield Problem.at(later.span, codes.OPPOSITES, message, "remove one of the two", "warning")
+
+
+def _supported(way: Way, dialect: Dialect) -> Iterator[Problem]:
+    """Something that shall be in two places at a time."""
+    for names, verb in ((dialect.supports, "rest on"), (dialect.contains, "be in")):
+        places: dict[str, Atom] = {}
+        for atom, polarity in way:
+            if not polarity or atom.predicate.lower() not in names or len(atom.arguments) != 2:
+                continue
+            what, where = (symbol.name for symbol in atom.arguments)
+            first = places.setdefault(what, atom)
+            other = first.arguments[1].name
+            if other != where:
+                message = f"`{what}` shall {verb} `{where}` and `{other}` (line {first.span.line}) at a time"
+                yield Problem.at(atom.span, codes.TWO_SUPPORTS, message, "name one place", "warning")
+
+
+def _itself(way: Way, dialect: Dialect) -> Iterator[Problem]:
+    """Something on or in itself, or each of two on the other."""
+    over: dict[str, set[str]] = {}
+    for atom, polarity in way:
+        if not polarity or atom.predicate.lower() not in (*dialect.supports, *dialect.contains):
+            continue
+        if len(atom.arguments) != 2:
+            continue
+        what, where = (symbol.name for symbol in atom.arguments)
+        below, todo = {where}, [where]
+        while todo:
+            fresh = over.get(todo.pop(), set()) - below
+            below |= fresh
+            todo += fresh
+        if what in below:
+            message = f"the goal can never hold: `{atom}` puts `{what}` on or in itself"
+            if what != where:
+                message += ", by way of what else the goal asks for"
+            yield Problem.at(atom.span, codes.ITSELF, message, "name another place", "warning")
+        over.setdefault(what, set()).add(where)
+
+
+def _already(spec: TaskSpec, goal: Goal) -> Iterator[Problem]:
+    """A goal that the declared start satisfies: some alternative asks for nothing that ``:init`` does not say."""
+    true, false = ({_key(atom) for atom in atoms} for atoms in (spec.init, spec.absent))
+    for way in goal.ways:
+        if way and all(_key(atom) in (true if polarity else false) for atom, polarity in way):
+            message = "the goal holds at the start: `:init` declares all that it asks for"
+            yield Problem.at(spec.goal.span, codes.ALREADY_TRUE, message, "ask for what is not there yet", "warning")
+            return

@@ -68,10 +68,12 @@ def load_model(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | Non
 
     """
     shipped = ontology.turtle_files()
-    files = collect(paths) if paths else shipped
+    texts = texts or {}
+    given = [path for path in paths if Path(path).resolve() not in texts]
+    edited = [Path(path).resolve() for path in paths if Path(path).resolve() in texts]  # perhaps not on disk yet
+    files = tuple(dict.fromkeys([*collect(given), *edited])) if paths else shipped
     store = Store()
     problems: list[Problem] = []
-    texts = texts or {}
     for path in files:
         problems += read_into(store, path, texts.get(path))
     if problems:

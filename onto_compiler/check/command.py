@@ -34,6 +34,14 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         default="error",
         help="the least severity that makes the exit code 1 (default: error)",
     )
+    parser.add_argument(
+        "--shapes",
+        action="append",
+        default=[],
+        type=Path,
+        metavar="SHAPES",
+        help="validate PATH, data of any ontology in any RDF format, with these SHACL shapes and nothing else",
+    )
     acting = parser.add_mutually_exclusive_group()
     acting.add_argument("--fix", action="store_true", help="repair what is mechanical, in the files themselves")
     acting.add_argument("--diff", action="store_true", help="print what --fix would change, and change nothing")
@@ -43,13 +51,17 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
 
 def _check(arguments: argparse.Namespace) -> int:
     paths: Sequence[Path] = arguments.paths
-    missing = [path for path in paths if not path.exists()]
+    missing = [path for path in (*paths, *arguments.shapes) if not path.exists()]
     for path in missing:
         _say(f"onto check: `{path}` does not exist")
     if missing:
         return MISUSE
     if (arguments.fix or arguments.diff) and not paths:
         raise OntoError.of("CLI002", "the shipped ontology is not repaired in place", "say which files to repair")
+    if arguments.shapes and (arguments.fix or arguments.diff):
+        raise OntoError.of("CLI002", "data are not repaired by shapes", "leave out --fix and --diff, or --shapes")
+    if arguments.shapes and not paths:
+        raise OntoError.of("CLI002", "--shapes is given without data", "say which files to validate")
     if arguments.watch:
         return _watch(arguments)
     return _fix(arguments) if arguments.fix or arguments.diff else _once(arguments)
@@ -59,6 +71,10 @@ def _once(arguments: argparse.Namespace) -> int:
     from onto_compiler.check.tasks import check_all  # noqa: PLC0415 - `onto --help` stays quick
 
     begin = time.perf_counter()
+    if arguments.shapes:
+        from onto_compiler.check.data import check_data  # noqa: PLC0415
+
+        return _print(arguments, check_data(arguments.paths, arguments.shapes), begin)
     return _print(arguments, check_all(arguments.paths), begin)
 
 
@@ -97,7 +113,7 @@ def _watch(arguments: argparse.Namespace) -> int:
 
     code = CLEAN
     try:
-        for changed in changes(arguments.paths or [ontology.ROOT]):
+        for changed in changes([*arguments.paths, *arguments.shapes] or [ontology.ROOT]):
             if changed:
                 _say(f"\n{', '.join(_shown(path.resolve()) for path in changed)} changed")
             code = _once(arguments)

@@ -1,6 +1,7 @@
 """From a triple of a Turtle file to the place where it is written.
 
-A tolerant recursive descent over RDF 1.1 Turtle, section 6.5: it goes on behind the next dot where it cannot read.
+A tolerant recursive descent over RDF 1.1 Turtle, section 6.5: it goes on behind the next dot where it cannot read. Of
+TriG and N-Quads it reads the triples and passes over the names of their graphs.
 """
 
 from __future__ import annotations
@@ -162,20 +163,26 @@ class _Walker:
     def statement(self) -> None:
         word = self.peek
         if word.text in {"@prefix", "@base"} or (word.kind == "word" and word.text.upper() in {"PREFIX", "BASE"}):
-            self.next()
-            if word.text.upper().endswith("PREFIX"):
-                name = self.next()
-                target = self.next()
-                if name.kind != "name" or target.kind != "iri":
-                    raise _Unreadable
-                prefix = Prefix(name.text[:-1], self.iri(target).value, name)
-                self.prefixes[prefix.name] = prefix
-                self.result.declared.append(prefix)
-            else:
-                self.base = self.iri(self.next()).value
-            if word.text.startswith("@"):
-                self.expect(".")
-            return
+            self.directive()
+        elif not self.enters_graph() and self.take("}") is None:
+            self.triples()
+
+    def directive(self) -> None:
+        word = self.next()
+        if word.text.upper().endswith("PREFIX"):
+            name = self.next()
+            target = self.next()
+            if name.kind != "name" or target.kind != "iri":
+                raise _Unreadable
+            prefix = Prefix(name.text[:-1], self.iri(target).value, name)
+            self.prefixes[prefix.name] = prefix
+            self.result.declared.append(prefix)
+        else:
+            self.base = self.iri(self.next()).value
+        if word.text.startswith("@"):
+            self.expect(".")
+
+    def triples(self) -> None:
         token = self.peek
         if self.peek.text == "[" and self.peek.kind == "mark":
             subject: NamedNode | BlankNode = self.anonymous()
@@ -189,7 +196,20 @@ class _Walker:
             else:
                 raise _Unreadable
             self.properties(subject, token)
-        self.expect(".")
+        if self.peek.kind in {"iri", "blank"}:
+            self.next()  # the graph of an N-Quad
+        if self.peek.text != "}" or self.peek.kind != "mark":
+            self.expect(".")
+
+    def enters_graph(self) -> bool:
+        """Whether a graph's block of TriG begins here; its name and brace are then behind us."""
+        ahead = [token.text for token in self.tokens[self.at : self.at + 4]]
+        length = ahead.index("{") + 1 if "{" in ahead else 0
+        named = length == 3 and (ahead[0].upper() == "GRAPH" or ahead[:2] == ["[", "]"])
+        if length not in {1, 2} and not named:
+            return False
+        self.at += length
+        return True
 
     def properties(self, subject: NamedNode | BlankNode, at_subject: Token) -> None:
         while True:
@@ -206,7 +226,7 @@ class _Walker:
             ended = False
             while self.take(";") is not None:
                 ended = True
-            if not ended or self.peek.text in {".", "]", ""}:
+            if not ended or self.peek.text in {".", "]", "}", ""}:
                 return
 
     def object(self) -> Term:

@@ -1,0 +1,145 @@
+"""``onto check DATA --shapes SHAPES``: anybody's data against anybody's shapes, the shipped ontology left out.
+
+The clean path is Oxigraph's parser and one validation. Only where something was found are the files read again with our
+own walker, and validated once more as it read them: every blank node then has its place too.
+"""
+
+from __future__ import annotations
+
+from codecs import BOM_UTF8
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import unquote, urlparse
+
+from pyoxigraph import NamedNode, Quad, RdfFormat, Triple, parse
+
+from onto_compiler.check.run import Report
+from onto_compiler.problems import OntoError, Problem
+from onto_compiler.rdf import OWL
+from onto_compiler.shacl.compile import compile_graph
+from onto_compiler.shacl.graph import Graph
+from onto_compiler.shacl.model import ShapeFault, ShapeResult
+from onto_compiler.shacl.validate import validate_graph
+from onto_compiler.sources import parse_problem
+
+__all__ = ["ENDINGS", "Document", "check_data"]
+
+ENDINGS = {
+    ".ttl": RdfFormat.TURTLE,
+    ".nt": RdfFormat.N_TRIPLES,
+    ".trig": RdfFormat.TRIG,
+    ".nq": RdfFormat.N_QUADS,
+    ".rdf": RdfFormat.RDF_XML,
+    ".owl": RdfFormat.RDF_XML,
+    ".xml": RdfFormat.RDF_XML,
+    ".jsonld": RdfFormat.JSON_LD,
+    ".json": RdfFormat.JSON_LD,
+}
+WITH_PLACES = {RdfFormat.TURTLE, RdfFormat.N_TRIPLES, RdfFormat.TRIG, RdfFormat.N_QUADS}
+_IMPORTS = NamedNode(OWL + "imports")
+_HINT = f"give a file whose name ends in {', '.join(ENDINGS)}, or a folder that holds some"
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A file as Oxigraph read it. The graphs of a dataset count together."""
+
+    path: Path
+    format: RdfFormat
+    statements: tuple[Quad | Triple, ...]
+
+    @property
+    def has_places(self) -> bool:
+        """Whether lines and columns can be told."""
+        return self.format in WITH_PLACES
+
+
+def check_data(paths: Sequence[Path | str], shapes: Sequence[Path | str]) -> Report:
+    """Validate the data of ``paths`` with the shapes of ``shapes``; files, or folders of them.
+
+    A file that cannot be read is a problem as any other; nothing is then validated.
+    """
+    problems: list[Problem] = []
+    data = _documents(paths, problems)
+    known = _documents(shapes, problems, imports=True)
+    files = tuple(dict.fromkeys(document.path for document in data))
+    if problems:
+        return Report(tuple(sorted(problems)), tuple(dict.fromkeys(Path(problem.file) for problem in problems)), 0)
+    graph = _graph(data)
+    results, faults = _validate(graph, _graph(known))
+    if results or faults:
+        from onto_compiler.check.data_places import place  # noqa: PLC0415 - a clean run needs no places
+
+        problems += place(data, known, results, faults)
+    return Report(tuple(sorted(set(problems))), files, len(graph))
+
+
+def _validate(data: Graph, shapes: Graph) -> tuple[tuple[ShapeResult, ...], list[ShapeFault]]:
+    faults: list[ShapeFault] = []
+    return validate_graph(data, compile_graph(shapes, faults), faults), faults
+
+
+def _graph(documents: Iterable[Document]) -> Graph:
+    return Graph(statement for document in documents for statement in document.statements)
+
+
+def _documents(paths: Sequence[Path | str], problems: list[Problem], *, imports: bool = False) -> list[Document]:
+    """Every file of ``paths``; with ``imports``, also the local files that they import."""
+    todo = [found.resolve() for path in map(Path, paths) for found in _files(path, problems)]
+    read: dict[Path, Document] = {}
+    while todo:
+        path = todo.pop(0)
+        if path in read:
+            continue
+        try:
+            read[path] = document = _read(path)
+        except OntoError as error:
+            problems += error.problems
+            continue
+        if imports:
+            todo += _imported(document)
+    return list(read.values())
+
+
+def _files(path: Path, problems: list[Problem]) -> list[Path]:
+    if not path.is_dir():
+        return [path]
+    found = sorted(file for file in path.rglob("*") if file.suffix.lower() in ENDINGS and file.is_file())
+    if not found:
+        problems.append(Problem(str(path), 0, 0, "TTL002", "error", f"`{path}` holds no RDF file", _HINT))
+    return found
+
+
+def _imported(document: Document) -> Iterator[Path]:
+    for statement in document.statements:
+        value = statement.object
+        if statement.predicate == _IMPORTS and isinstance(value, NamedNode) and value.value.startswith("file:"):
+            path = Path(unquote(urlparse(value.value).path))
+            if path.is_file():
+                yield path
+
+
+def _read(path: Path) -> Document:
+    kind = ENDINGS.get(path.suffix.lower())
+    if kind is None:
+        raise OntoError.of("TTL002", f"`{path.name}` has no ending that says what it holds", _HINT, str(path))
+    try:
+        data = path.read_bytes().removeprefix(BOM_UTF8)
+        found = parse(data, format=kind, base_iri=path.as_uri(), rename_blank_nodes=True)
+        return Document(path, kind, tuple(found))
+    except SyntaxError as error:
+        raise OntoError(_syntax(path, kind, error)) from error
+    except OSError as error:
+        message = f"cannot read `{path.name}`: {error.strerror or error}"
+        raise OntoError.of("TTL002", message, _HINT, str(path)) from error
+
+
+def _syntax(path: Path, kind: RdfFormat, error: SyntaxError) -> Problem:
+    if kind in {RdfFormat.TURTLE, RdfFormat.TRIG}:
+        return parse_problem(path, error)
+    said = " ".join(str(error.msg or error).partition(" (line ")[0].split()).rpartition(": ")[2]
+    message = f"not {kind.name}: {said[:1].lower()}{said[1:]}"
+    return Problem(
+        str(path), error.lineno or 0, error.offset or 0, "TTL001", "error", message, "see `onto explain TTL001`"
+    )

@@ -1,0 +1,253 @@
+"""From the results of a validation to problems: where the offending triple stands, and where the shape does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Triple
+
+from onto_compiler.check.data import Document
+from onto_compiler.problems import Problem, Span
+from onto_compiler.rdf import RDF, SH, XSD, shorten
+from onto_compiler.shacl.compile import compile_graph
+from onto_compiler.shacl.graph import Graph, Term
+from onto_compiler.shacl.model import ShapeFault, ShapeResult
+from onto_compiler.shacl.paths import read_path, sparql_path
+from onto_compiler.shacl.validate import validate_graph
+from onto_compiler.shacl.values import is_well_formed
+from onto_compiler.turtle.source_map import Located, SourceMap, read_map
+
+__all__ = ["place"]
+
+_TYPE = NamedNode(RDF + "type")
+_BARE = {"boolean", "decimal", "double", "integer"}  # what Turtle writes without quotation marks
+_LONG = 60  # characters of a value that a sentence shows
+
+
+def place(
+    data: Sequence[Document],
+    shapes: Sequence[Document],
+    results: Sequence[ShapeResult],
+    faults: Sequence[ShapeFault],
+) -> Iterator[Problem]:
+    """The problems that ``results`` and ``faults`` are. Both are found again in what the walker reads."""
+    in_data, in_shapes = _Places(data), _Places(shapes)
+    if in_data.whole and in_shapes.whole:
+        again: list[ShapeFault] = []
+        found = validate_graph(in_data.graph, compile_graph(in_shapes.graph, again), again)
+        if len(found) == len(results) and len(again) == len(faults):
+            results, faults = found, again
+    writer = _Writer(in_data, in_shapes)
+    for result in results:
+        yield writer.problem(result)
+    for fault in faults:
+        yield writer.fault(fault)
+
+
+@dataclass(frozen=True, slots=True)
+class _Spot:
+    """A triple where it is written."""
+
+    path: Path
+    located: Located
+
+
+@dataclass(slots=True)
+class _Places:
+    """Documents read again with their places; ``whole`` says whether the walker read what Oxigraph had read."""
+
+    documents: Sequence[Document]
+    maps: dict[Path, SourceMap] = field(default_factory=dict)
+    graph: Graph = field(default_factory=Graph)
+    whole: bool = False
+    _triples: dict[tuple[Term, Term, Term], _Spot] = field(default_factory=dict)
+    _subjects: dict[Term, list[_Spot]] = field(default_factory=dict)
+    _objects: dict[Term, list[_Spot]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        statements: list[Quad | Triple] = []
+        for document in self.documents:
+            if not document.has_places:
+                statements += document.statements
+                continue
+            self.maps[document.path] = source_map = read_map(document.path)
+            for one in source_map.triples:
+                statements.append(Triple(one.subject, one.predicate, one.object))
+                spot = _Spot(document.path, one)
+                self._triples.setdefault((one.subject, one.predicate, one.object), spot)
+                self._subjects.setdefault(one.subject, []).append(spot)
+                self._objects.setdefault(one.object, []).append(spot)
+        self.graph = Graph(statements)
+        self.whole = len(self.graph) == len(Graph(s for d in self.documents for s in d.statements))
+
+    def object(self, subject: Term, predicate: Term, value: Term) -> Span | None:
+        """The object of a triple."""
+        spot = self._triples.get((subject, predicate, value))
+        return self._span(spot, "object")
+
+    def predicate(self, subject: Term, predicate: Term) -> Span | None:
+        """The last statement of a property of a node: the one that is too many."""
+        found = [spot for spot in self._subjects.get(subject, ()) if spot.located.predicate == predicate]
+        return self._span(found[-1] if found else None, "predicate")
+
+    def reached(self, value: Term, predicates: frozenset[str]) -> Span | None:
+        """Where a node stands as the object of one of ``predicates``."""
+        found = (spot for spot in self._objects.get(value, ()) if spot.located.predicate.value in predicates)
+        return self._span(next(found, None), "object")
+
+    def subject(self, node: Term) -> Span | None:
+        """Where a node is declared, or else described, or else mentioned."""
+        spots = self._subjects.get(node, [])
+        declared = [spot for spot in spots if spot.located.predicate == _TYPE]
+        if spots:
+            return self._span((declared or spots)[0], "subject")
+        return self._span(next(iter(self._objects.get(node, ())), None), "object")
+
+    def mention(self, node: Term) -> Term | None:
+        """The first node that has ``node`` for a value."""
+        spots = self._objects.get(node)
+        return spots[0].located.subject if spots else None
+
+    def _span(self, spot: _Spot | None, part: str) -> Span | None:
+        if spot is None:
+            return None
+        token = {
+            "object": spot.located.at_object,
+            "predicate": spot.located.at_predicate,
+            "subject": spot.located.at_subject,
+        }[part]
+        return self.maps[spot.path].span(token)
+
+    def file_of(self, subject: Term) -> Path | None:
+        """The first document that describes a node, whether it has places or not."""
+        for document in self.documents:
+            if any(statement.subject == subject for statement in document.statements):
+                return document.path
+        return None
+
+    def shown(self, term: Term, file: str = "") -> str:
+        """A term with the prefixes of ``file``, or of whichever document has one that fits."""
+        if isinstance(term, Literal):
+            return self._literal(term, file)
+        if isinstance(term, BlankNode):
+            return "[]"
+        own = [source_map for path, source_map in self.maps.items() if str(path) == file]
+        for source_map in (*own, *self.maps.values()):
+            for prefix in source_map.declared:
+                rest = term.value.removeprefix(prefix.namespace)
+                if prefix.namespace and rest and rest != term.value and not set(rest) & set("/#"):
+                    return f"{prefix.name}:{rest}"
+        short = shorten(term.value)
+        return short if short != term.value else f"<{term.value}>"
+
+    def _literal(self, term: Literal, file: str) -> str:
+        text = term.value if len(term.value) <= _LONG else f"{term.value[:_LONG]}…"
+        kind = term.datatype.value.removeprefix(XSD)
+        if term.language is not None:
+            return f'"{text}"@{term.language}'
+        if kind in _BARE and is_well_formed(term):
+            return text
+        return f'"{text}"' if kind == "string" else f'"{text}"^^{self.shown(term.datatype, file)}'
+
+
+@dataclass(frozen=True, slots=True)
+class _Writer:
+    data: _Places
+    shapes: _Places
+
+    def problem(self, result: ShapeResult) -> Problem:
+        """One result as a problem."""
+        span = self._where(result)
+        name = self._name(result.shape)
+        subject = self.data.shown(result.focus, span.file)
+        message = f"`{subject}` violates {name}: {self._said(result, span.file)}"
+        shape = self.shapes.subject(result.shape)
+        at = f" at {_relative(shape.file)}:{shape.line}:{shape.column}" if shape is not None else ""
+        hint = result.hint or f"change the data, or the shape{at}; see `onto explain SHP001`"
+        severity = "error" if result.severity == "Violation" else "warning"
+        return Problem.at(span, result.code or "SHP001", message, hint, severity)
+
+    def fault(self, fault: ShapeFault) -> Problem:
+        """A shape that cannot run."""
+        parameter = NamedNode(SH + fault.parameter) if fault.parameter else None
+        span = None
+        if parameter is not None and fault.value is not None:
+            span = self.shapes.object(fault.shape, parameter, fault.value)
+        if span is None and parameter is not None:
+            span = self.shapes.predicate(fault.shape, parameter)
+        span = span or self.shapes.subject(fault.shape) or Span(str(self.shapes.documents[0].path))
+        message = f"a shape cannot run: {fault.problems[0].message}"
+        return Problem.at(span, "SHP002", message, "correct the shape; see `onto explain SHP002`")
+
+    def _where(self, result: ShapeResult) -> Span:
+        """From the narrowest place to the widest."""
+        for span in self._candidates(result):
+            if span is not None:
+                return span
+        file = self.data.file_of(result.focus)
+        if file is None and (span := self.shapes.subject(result.focus)) is not None:
+            return span  # a target node that the data do not mention
+        return Span(str(file or self.data.documents[0].path))
+
+    def _candidates(self, result: ShapeResult) -> Iterator[Span | None]:
+        path, value = result.path, result.value
+        if isinstance(path, NamedNode):
+            if value is not None:
+                yield self.data.object(result.focus, path, value)
+            yield self.data.predicate(result.focus, path)
+        elif path is not None and value is not None:
+            predicates = frozenset(self._predicates(path))
+            yield from (self.data.object(value, NamedNode(one), result.focus) for one in predicates)  # an inverse path
+            yield self.data.reached(value, predicates)
+        yield self.data.subject(result.focus)
+
+    def _predicates(self, node: Term) -> Iterable[str]:
+        path = read_path(self.shapes.graph, node)
+        todo = [path] if path is not None else []
+        while todo:
+            one = todo.pop()
+            if one.iri is not None:
+                yield one.iri.value
+            todo += one.parts
+
+    def _said(self, result: ShapeResult, file: str) -> str:
+        if result.message:
+            return result.message
+        path = f"`{self._path(result.path, file)}`" if result.path is not None else ""
+        if result.value is not None and result.value != result.focus:
+            value = f"`{self.data.shown(result.value, file)}`"
+            return f"the value {value} of {path} {result.expected}" if path else f"{value} {result.expected}"
+        return f"{path} {result.expected}".strip()
+
+    def _path(self, node: Term, file: str) -> str:
+        if isinstance(node, NamedNode):
+            return self.data.shown(node, file)
+        path = read_path(self.shapes.graph, node)
+        if path is None:
+            return "[]"
+        text = sparql_path(path)
+        for iri in self._predicates(node):
+            text = text.replace(f"<{iri}>", self.data.shown(NamedNode(iri), file))
+        return text
+
+    def _name(self, shape: Term) -> str:
+        """A shape by name, or by the nearest named one that it belongs to."""
+        seen: set[Term] = set()
+        node = shape
+        while isinstance(node, BlankNode) and node not in seen:
+            seen.add(node)
+            above = self.shapes.mention(node)
+            if above is None:
+                return "a shape"
+            node = above
+        return f"the shape `{self.shapes.shown(node)}`" if isinstance(node, NamedNode) else "a shape"
+
+
+def _relative(file: str) -> str:
+    """A file as seen from the working directory, where it lies below it."""
+    try:
+        return str(Path(file).relative_to(Path.cwd()))
+    except ValueError:
+        return file

@@ -1,0 +1,1 @@
+"""What changed between two versions of an ontology, term by term, and whether that breaks its users."""

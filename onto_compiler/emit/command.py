@@ -45,7 +45,7 @@ def _run(options: argparse.Namespace) -> int:
         if options.write and state != "fresh":
             write_text(artefact.path, emit(artefact.output, tbox))
             state = "written"
-        states.append({"output": artefact.output, "file": str(artefact.path), "state": state})
+        states.append({"output": artefact.output, "file": _relative(artefact.path), "state": state})
     stale = [row for row in states if row["state"] in {"stale", "missing"}]
     problems = [_problem(row["file"], row["output"], row["state"]) for row in stale]
     if options.format == "json":
@@ -53,6 +53,14 @@ def _run(options: argparse.Namespace) -> int:
     else:
         _tell(states, problems, sys.stdout.write)
     return FINDINGS if problems else CLEAN
+
+
+def _relative(path: Path) -> str:
+    """A file as seen from the working directory, where it lies below it."""
+    try:
+        return str(path.relative_to(Path.cwd()))
+    except ValueError:
+        return str(path)
 
 
 def _tell(states: list[dict[str, str]], problems: list[Problem], write: Callable[[str], object]) -> None:
@@ -67,7 +75,7 @@ def _tell(states: list[dict[str, str]], problems: list[Problem], write: Callable
 
 def _problem(file: str, output: str, state: str) -> Problem:
     said = "does not exist" if state == "missing" else "is not what the ontology generates now"
-    hint = f"run `onto schema --write`, or `onto schema --emit {output} --output {Path(file).name}`"
+    hint = f"run `onto schema --write`, or `onto schema --emit {output} --output {file}`"
     return Problem(file, 0, 0, "SCH003", "error", f"`{Path(file).name}` {said}", hint)
 
 

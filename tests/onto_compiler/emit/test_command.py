@@ -1,7 +1,10 @@
 """``onto schema``: printing, writing, and holding the kept files fresh."""
 
 import json
+import re
 import shutil
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -10,6 +13,9 @@ from onto_compiler.command import CLEAN, FINDINGS, MISUSE
 from onto_compiler.emit import OUTPUTS, emit
 from onto_compiler.emit.tbox import read_tbox
 from runtime.cli import main
+from runtime.summary import episode_summary
+from tests.runtime.trace.samples import accepted
+from tests.strategies import SCHEMA as VOCABULARY
 
 ROOT = Path(__file__).resolve().parents[3]
 TABLE = '[tool.onto.schema]\nontology = ["served.ttl"]\nshacl = "made/shapes.ttl"\npython = "predicates.py"\n'
@@ -29,7 +35,7 @@ def test_the_files_of_this_project_are_fresh(monkeypatch, capsys):
     assert main(["schema", "--check", "--json"]) == CLEAN
     files = json.loads(capsys.readouterr().out)["files"]
     assert [row["output"] for row in files] == list(OUTPUTS)
-    assert all(Path(row["file"]).parent == ROOT / "schema" for row in files)
+    assert all(Path(row["file"]).parent == Path("schema") for row in files)
 
 
 def test_an_output_is_printed_or_written(capsys, tmp_path):
@@ -98,3 +104,27 @@ def test_a_broken_ontology_is_a_problem(tmp_path, capsys):
     (tmp_path / "broken.ttl").write_text("ex:a a")
     assert main(["schema", "--emit", "python", "--ontology", str(tmp_path)]) == MISUSE
     assert "TTL" in capsys.readouterr().err
+
+
+def test_the_page_lists_every_output_with_the_file_that_is_kept():
+    kept = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["onto"]["schema"]
+    page = (ROOT / "docs/schema.md").read_text()
+    rows = dict(re.findall(r"^\| `(\w+)` \|.*\]\(\.\./(\S+)\) \|$", page, re.MULTILINE))
+    assert rows == kept
+    assert tuple(rows) == OUTPUTS
+
+
+def test_the_python_of_the_page_runs(tmp_path, monkeypatch):
+    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs/schema.md").read_text(), re.DOTALL | re.MULTILINE)
+    assert len(blocks) == 2
+    (tmp_path / "schema").mkdir()
+    shutil.copy(ROOT / "schema/context.jsonld", tmp_path / "schema")
+    shutil.copy(ROOT / "schema/predicates.py", tmp_path)
+    (tmp_path / "episode.json").write_text(json.dumps(episode_summary(accepted(), VOCABULARY)))
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    spaces = [{}, {}]
+    for block, space in zip(blocks, spaces, strict=True):
+        exec(block, space)  # noqa: S102 - our own page
+    assert len(spaces[0]["graph"]) > 20
+    sys.modules.pop("predicates")

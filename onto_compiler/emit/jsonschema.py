@@ -42,7 +42,7 @@ def _record(tbox: TBox, record: Record) -> Json:
         "description": record.about,
         "type": "object",
         "properties": {name: _field(field) for name, field in fields.items()},
-        "required": list(fields),
+        "required": [name for name, field in fields.items() if not field.optional],
         "additionalProperties": False,
         **({"allOf": rules} if rules else {}),
     }
@@ -65,6 +65,8 @@ def _field(field: Field) -> Json:
             own = _ref(name)
         case "list":
             own = {"type": "array", "items": _ref(name)}
+        case "rows":
+            own = {"type": "array", "items": {"type": "array", "items": {"type": name}}}
         case "strings":
             own = {"type": "array", "items": {"type": "string"}}
         case _:

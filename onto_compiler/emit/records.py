@@ -19,13 +19,18 @@ TYPE = "@type"  # the term of a field that names the class of its record
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """``kind`` is a JSON type, ``word:KIND`` (see ``words``), ``words:KIND``, ``record:NAME`` or ``list:NAME``."""
+    """What a field holds and states.
+
+    ``kind`` is a JSON type, ``strings``, ``word:KIND`` (see ``words``), ``words:KIND``, ``record:NAME``, ``list:NAME`` or,
+    for lists of lists, ``rows:TYPE``.
+    """
 
     kind: str
     term: str = ""  # IRI; empty where the vocabulary has no word for it
     null: bool = False
     reverse: bool = False  # the term leads from the value to the record
     blank: bool = False  # the empty string stands for none
+    optional: bool = False  # not every record has it
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +82,7 @@ RECORDS: Mapping[str, Record] = {
             "source": Field("string", TRACE + "taskFile"),
             "facts": Field("list:RequiredFact", TRACE + "memberFact"),
             "premise": Field("list:RequiredFact", TRACE + "declares"),
+            "alternatives": Field("rows:integer", optional=True),  # places in `facts`
         },
     ),
     "Problem": Record(
@@ -206,6 +212,7 @@ RECORDS: Mapping[str, Record] = {
             "task": Field("string", TRACE + "task"),
             "state": Field("integer", TRACE + "stateIndex"),
             "diagnoses": Field("list:UnmetFact", PROV + "wasGeneratedBy", reverse=True),
+            "alternatives": Field("rows:string", optional=True),
         },
     ),
     "Demonstration": Record(

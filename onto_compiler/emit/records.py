@@ -21,8 +21,8 @@ TYPE = "@type"  # the term of a field that names the class of its record
 class Field:
     """What a field holds and states.
 
-    ``kind`` is a JSON type, ``strings``, ``word:KIND`` (see ``words``), ``words:KIND``, ``record:NAME``, ``list:NAME`` or,
-    for lists of lists, ``rows:TYPE``.
+    ``kind`` is a JSON type, ``strings``, ``word:KIND`` (see ``words``), ``words:KIND``, ``record:NAME``, ``list:NAME``
+    or ``rows:TYPE``, a list of lists.
     """
 
     kind: str

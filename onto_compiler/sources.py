@@ -6,7 +6,7 @@ from codecs import BOM_UTF8
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from pyoxigraph import NamedNode, RdfFormat, Store
+from pyoxigraph import NamedNode, Quad, RdfFormat, Store, parse
 
 import ontology
 from onto_compiler.problems import OntoError, Problem
@@ -58,17 +58,23 @@ def graph_of(path: Path) -> NamedNode:
     return NamedNode(path.as_uri())
 
 
-def read_into(store: Store, path: Path, text: str | None = None) -> list[Problem]:
+def read_into(store: Store, path: Path, text: str | None = None, written: list[Quad] | None = None) -> list[Problem]:
     """Load one file into its named graph; return what is wrong with it instead of raising.
 
-    ``text`` takes the place of what is on disk, for a file that is being edited.
+    ``text`` takes the place of what is on disk, for a file that is being edited. ``written`` also gets the statements,
+    with literals as the file spells them: a store keeps ``"05"^^xsd:byte`` as the integer 5.
     """
     try:
         data = path.read_bytes() if text is None else text.encode()
         data.decode("utf-8")
-        store.load(
-            data.removeprefix(BOM_UTF8), format=RdfFormat.TURTLE, base_iri=path.as_uri(), to_graph=graph_of(path)
-        )
+        data, base, graph = data.removeprefix(BOM_UTF8), path.as_uri(), graph_of(path)
+        if written is None:
+            store.load(data, format=RdfFormat.TURTLE, base_iri=base, to_graph=graph)
+        else:
+            read = parse(data, format=RdfFormat.TURTLE, base_iri=base, rename_blank_nodes=True)
+            statements = [Quad(one.subject, one.predicate, one.object, graph) for one in read]
+            store.extend(statements)
+            written += statements
     except SyntaxError as error:
         return [parse_problem(path, error, text)]
     except UnicodeDecodeError as error:

@@ -8,12 +8,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import cast
 
-from pyoxigraph import NamedNode, QuerySolutions, Store
+from pyoxigraph import NamedNode, Quad, QuerySolutions, Store
 
 import ontology
 from onto_compiler.check.finding import Term
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import OWL, RDF, prologue
+from onto_compiler.shacl.graph import Graph
 from onto_compiler.sources import collect, graph_of, read_into
 
 __all__ = ["Model", "load_model"]
@@ -29,11 +30,17 @@ class Model:
     files: tuple[Path, ...]
     background: tuple[Path, ...] = ()
     texts: dict[Path, str] = field(default_factory=dict)
+    written: tuple[Quad, ...] = ()  # what the store holds, with literals as the files spell them
 
     @cached_property
     def graphs(self) -> Mapping[NamedNode, Path]:
         """The graph of each reported file."""
         return {graph_of(path): path for path in self.files}
+
+    @cached_property
+    def graph(self) -> Graph:
+        """All files together, for shapes."""
+        return Graph(self.written, self.store)
 
     @cached_property
     def triples(self) -> int:
@@ -74,8 +81,9 @@ def load_model(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | Non
     files = tuple(dict.fromkeys([*collect(given), *edited])) if paths else shipped
     store = Store()
     problems: list[Problem] = []
+    written: list[Quad] = []
     for path in files:
-        problems += read_into(store, path, texts.get(path))
+        problems += read_into(store, path, texts.get(path), written)
     if problems:
         raise OntoError(*problems)
     declared = {quad.subject for quad in store.quads_for_pattern(None, *_IS_ONTOLOGY, None)}
@@ -83,12 +91,14 @@ def load_model(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | Non
     for path in shipped:
         if path in files:
             continue
-        problems += read_into(store, path)
+        own: list[Quad] = []
+        problems += read_into(store, path, written=own)
         graph = graph_of(path)
         if any(quad.subject in declared for quad in store.quads_for_pattern(None, *_IS_ONTOLOGY, graph)):
             store.remove_graph(graph)
         else:
             background.append(path)
+            written += own
     if problems:
         raise OntoError(*problems)
-    return Model(store, tuple(files), tuple(background), dict(texts))
+    return Model(store, tuple(files), tuple(background), dict(texts), tuple(written))

@@ -16,7 +16,9 @@ from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.rules import check_rules
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import SH, shorten
-from onto_compiler.shapes import ShapeFault, ShapeResult, compile_shapes, validate
+from onto_compiler.shacl.compile import compile_graph
+from onto_compiler.shacl.model import ShapeFault, ShapeResult
+from onto_compiler.shacl.validate import validate_graph
 
 __all__ = ["Report", "check", "check_model"]
 
@@ -58,8 +60,8 @@ def check_model(model: Model) -> tuple[Problem, ...]:
 
 def _shape_findings(model: Model) -> Iterator[Finding]:
     faults: list[ShapeFault] = []
-    shapes = compile_shapes(model.store, faults)
-    for result in validate(model.store, shapes, faults):
+    shapes = compile_graph(model.graph, faults)
+    for result in validate_graph(model.graph, shapes, faults):
         yield _finding(result)
     for fault in faults:
         yield Finding(
@@ -76,9 +78,8 @@ def _shape_findings(model: Model) -> Iterator[Finding]:
 def _finding(result: ShapeResult) -> Finding:
     message = result.message
     if not result.code:
-        component = result.component.removesuffix("ConstraintComponent")
         shape = "a shape" if isinstance(result.shape, BlankNode) else f"the shape `{shorten(result.shape.value)}`"
-        message = f"violates {shape}: {message or component}"
+        message = f"violates {shape}: {message or result.expected}"
     return Finding(
         code=result.code or "SHP001",
         severity="error" if result.severity == "Violation" else "warning",

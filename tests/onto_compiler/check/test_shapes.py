@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, parse
 
 from onto_compiler.check.model import load_model
+from onto_compiler.check.run import check
 from onto_compiler.problems import OntoError
 from onto_compiler.rdf import XSD
 from onto_compiler.shapes import compile_shapes, validate
@@ -170,6 +171,15 @@ def test_a_boolean_does_not_compare_with_a_number():
     )
     (result,) = validate(store := store_of(PREFIXES + text), compile_shapes(store))
     assert result.component == "MaxInclusiveConstraintComponent"
+
+
+@pytest.mark.parametrize(("value", "problems"), [('"05"^^xsd:byte', 0), ('"500"^^xsd:byte', 1), ("5", 1)])
+def test_a_datatype_is_judged_as_the_file_writes_it(value, problems, tmp_path):
+    path = tmp_path / "bytes.ttl"
+    shape = "ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:property [ sh:path ex:p ; sh:datatype xsd:byte ] ."
+    path.write_text(f"{PREFIXES}{shape} ex:a ex:p {value} .")
+    found = [p.message for p in check([path]).problems if p.code == "SHP001"]
+    assert found == ["`ex:a` violates a shape: must be a literal of the datatype `xsd:byte`"] * problems
 
 
 def test_a_deactivated_shape_is_not_run():

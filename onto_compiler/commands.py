@@ -12,6 +12,8 @@ from onto_compiler.schema import local_name
 
 __all__ = ["COMPILE"]
 
+SHOWN_WAYS = 8  # how many alternatives of a goal are written out
+
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("paths", nargs="+", metavar="TASK.bddl", help="task files")
@@ -52,6 +54,7 @@ def abox_record(abox: RequiredABox) -> dict[str, object]:
         "problem": abox.problem,
         "source": abox.source,
         "facts": [_record(fact) for fact in abox.facts],
+        "alternatives": [list(way) for way in abox.alternatives],
         "premise": [_record(fact) for fact in abox.premise],
     }
 
@@ -71,9 +74,17 @@ def _record(fact: Fact) -> dict[str, object]:
 
 def _text(abox: RequiredABox) -> str:
     lines = [f"{abox.task}", f"  “{abox.language}”", "  must hold at the end:"]
-    lines += [_line(fact) for fact in abox.facts]
+    lines += [_line(fact) for fact in abox.facts] if not abox.alternatives else _ways(abox)
     lines += ["  must hold at the start:", *(_line(fact) for fact in abox.premise)] if abox.premise else []
     return "\n".join(lines)
+
+
+def _ways(abox: RequiredABox) -> list[str]:
+    lines = []
+    for number, way in enumerate(abox.alternatives[:SHOWN_WAYS], 1):
+        lines += [f"    alternative {number} of {len(abox.alternatives)}:", *(_line(abox.facts[i]) for i in way)]
+    hidden = len(abox.alternatives) - SHOWN_WAYS
+    return [*lines, f"    and {hidden} more, which --json lists"] if hidden > 0 else lines
 
 
 def _line(fact: Fact) -> str:

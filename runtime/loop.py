@@ -14,7 +14,7 @@ from grounding.scenes import Scene
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
 from onto_compiler.tables import EXHAUSTED, FIRST, REPEAT
-from runtime.diagnosis import diagnose, select
+from runtime.diagnosis import diagnose_goal, select
 from runtime.proposers.protocol import Proposer, Request
 from runtime.records import Application, Attempt, Diagnosis, Proposal, RouteDecision, Verification
 from runtime.routing import route
@@ -121,7 +121,7 @@ class _Run:
     def correct(self, predicted: Observation | None, report: Callable[[Attempt], None] | None) -> Correction:
         observation = initial = self._observe() if predicted is None else predicted
         while True:
-            diagnoses = diagnose(self.required.facts, observation, self.loop.knowledge.tables)
+            diagnoses = diagnose_goal(self.required, observation, self.loop.knowledge.tables)
             end = self._before_attempt(observation, diagnoses)
             if end is None:
                 attempt = self._attempt(observation, diagnoses)

@@ -132,7 +132,9 @@ def required_aboxes(draw):
     scene = {}
     goal = draw(st.lists(facts(scene), min_size=1, max_size=3))
     premise = draw(st.lists(facts(scene), max_size=2))
-    return RequiredABox(draw(names), draw(texts), draw(names), tuple(goal), tuple(premise), draw(texts))
+    ways = st.lists(st.integers(0, len(goal) - 1), min_size=1, unique=True).map(lambda way: tuple(sorted(way)))
+    alternatives = tuple(draw(st.lists(ways, max_size=3)))
+    return RequiredABox(draw(names), draw(texts), draw(names), tuple(goal), tuple(premise), draw(texts), alternatives)
 
 
 @st.composite

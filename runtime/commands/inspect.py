@@ -19,6 +19,15 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     add_format(parser)
 
 
+def _configure_diagnose(parser: argparse.ArgumentParser) -> None:
+    _configure(parser)
+    parser.add_argument(
+        "--alternatives",
+        action="store_true",
+        help="also what each other way to reach the goal lacks, the nearest first",
+    )
+
+
 def _ground(options: argparse.Namespace) -> int:
     from onto_compiler.tables import SATISFIED, STATUSES  # noqa: PLC0415 - heavy imports wait for the command to run
     from runtime.commands.opening import read_state, task_runner  # noqa: PLC0415
@@ -75,15 +84,20 @@ def _ground(options: argparse.Namespace) -> int:
 
 def _diagnose(options: argparse.Namespace) -> int:
     from runtime.commands.opening import read_state, task_runner  # noqa: PLC0415 - as above
-    from runtime.diagnosis import diagnose, select  # noqa: PLC0415
+    from runtime.diagnosis import by_distance, diagnose_goal, select  # noqa: PLC0415
     from runtime.routing import route  # noqa: PLC0415
     from runtime.trace.narrate import amount, atom, short_name, unit_of  # noqa: PLC0415
 
     with task_runner(options) as runner:
         runner.start(options.state, read_state(options.state_file))
-        knowledge, facts = runner.knowledge, runner.required.facts
-        found = diagnose(facts, runner.environment.observe(), knowledge.tables)
-        task = runner.required.task
+        knowledge, required = runner.knowledge, runner.required
+        observation = runner.environment.observe()
+        ways = by_distance(required, observation)
+        ranked = [
+            diagnose_goal(required, observation, knowledge.tables, rank)
+            for rank in range(len(ways) if options.alternatives else 1)
+        ]
+        found, task = ranked[0], required.task
     schema = knowledge.schema
     first = select(found).index if found else -1
     rows = [
@@ -104,9 +118,14 @@ def _diagnose(options: argparse.Namespace) -> int:
         for d in found
     ]
     if options.format == "json":
-        print_json({"task": task, "state": options.state, "diagnoses": rows})
+        record: dict[str, Any] = {"task": task, "state": options.state, "diagnoses": rows}
+        if options.alternatives:
+            record["alternatives"] = [[atom(d.fact, schema) for d in each] for each in ranked]
+        print_json(record)
     else:
-        lines = [f"{task}, state {options.state}: {len(rows) or 'no'} unmet of {len(facts)} required"]
+        lines = [f"{task}, state {options.state}: {len(rows) or 'no'} unmet of {len(ways[0])} required"]
+        if len(ways) > 1:
+            lines[0] += f", by the nearest of {len(ways)} alternatives"
         for diagnosis, row in zip(found, rows, strict=True):
             margin = amount(diagnosis.margin, unit_of(diagnosis.fact, schema))
             limit = f", decided by {row['limit']}" if row["limit"] else ""
@@ -115,6 +134,8 @@ def _diagnose(options: argparse.Namespace) -> int:
                 f"    margin {margin}{limit}; {row['status']}; rule “{row['rule']}”",
                 f"    route {row['route']}{' (selected first)' if row['selected'] and len(rows) > 1 else ''}",
             ]
+        for rank, each in enumerate(ranked[1:], 2):
+            lines.append(f"  alternative {rank}: {', '.join(atom(d.fact, schema) for d in each) or 'nothing unmet'}")
         sys.stdout.write("\n".join(lines) + "\n")
     return FINDINGS if rows else CLEAN
 
@@ -130,6 +151,6 @@ DIAGNOSE = Command(
     name="diagnose",
     help="Name each unmet fact of a task in an initial state, its kind of failure and its route.",
     example="onto diagnose libero_10/2 --json",
-    configure=_configure,
+    configure=_configure_diagnose,
     run=_diagnose,
 )

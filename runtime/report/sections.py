@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from onto_compiler.html import Html, badge, code, element, joined, prose, table, text
 from onto_compiler.schema import Schema
 from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.diagnosis import evidence_status
+from runtime.diagnosis import evidence_status, unmet
 from runtime.records import Diagnosis, Episode
 from runtime.report.bars import margin_bar
 from runtime.summary import first_diagnoses, margin_after, routes_of, verdict
@@ -15,6 +15,8 @@ from runtime.trace.narrate import amount, atom, chain, outcome_sentence, premise
 from runtime.trace.sparql import Answer, plain, words
 
 __all__ = ["answers_section", "details_section", "episode_name", "episodes_table", "header", "modes_note", "tiles"]
+
+SHOWN_WAYS = 3  # how many alternatives of a goal are written out
 
 _GOOD = frozenset(("accepted", "verified"))
 _OPEN = frozenset(("unresolved", "retained"))
@@ -126,7 +128,9 @@ def details_section(episodes: Sequence[Episode], schema: Schema) -> Html:
 
 def _details(number: int, episode: Episode, schema: Schema) -> Html:
     figures = [_figure(diagnosis, episode, schema) for diagnosis in first_diagnoses(episode)]
-    required = ", ".join(atom(fact, schema) for fact in episode.required.facts)
+    facts, ways = episode.required.facts, episode.required.ways
+    required = " or ".join(", ".join(atom(facts[i], schema) for i in way) for way in ways[:SHOWN_WAYS])
+    required += f" or {len(ways) - SHOWN_WAYS} more" if len(ways) > SHOWN_WAYS else ""
     parts: list[object] = [
         element("p", "Instruction: ", episode.required.language, class_="quiet") if episode.required.language else "",
         element("p", "Required: ", code(required)),
@@ -151,11 +155,10 @@ def _step(sentence: str) -> Html:
 
 
 def _end(episode: Episode, schema: Schema) -> str:
-    codes = evidence_status(episode.required.facts, episode.final)
-    unmet = [atom(f, schema) for f, c in zip(episode.required.facts, codes, strict=True) if STATUSES[c] != SATISFIED]
+    still = [atom(episode.required.facts[i], schema) for i in unmet(episode.required, episode.final)]
     return (
-        f"At the end, still unmet: {', '.join(unmet)}."
-        if unmet
+        f"At the end, still unmet: {', '.join(still)}."
+        if still
         else "At the end, every required fact is grounded as satisfied."
     )
 

@@ -73,7 +73,7 @@ def narrate(episode: Episode, schema: Schema) -> Iterator[str]:
         yield f"  Instruction: {episode.required.language}."
     if premise := premise_sentence(episode, schema):
         yield f"  {premise}"
-    yield f"  The task requires {_listed([atom(fact, schema) for fact in episode.required.facts])}."
+    yield f"  The task requires {_listed([atom(fact, schema) for fact in episode.required.facts])}{_choice(episode)}."
     yield from _state("At the start", episode.required.facts, episode.initial, schema)
     for attempt in episode.attempts:
         yield f"Attempt {attempt.index + 1}"
@@ -83,6 +83,11 @@ def narrate(episode: Episode, schema: Schema) -> Iterator[str]:
     if episode.verification is not None and not episode.attempts:
         yield f"  {_verified(episode.verification)}"
     yield from _state("At the end", episode.required.facts, episode.final, schema)
+
+
+def _choice(episode: Episode) -> str:
+    number = len(episode.required.alternatives)
+    return f", of which any of {number} alternatives will do" if number else ""
 
 
 def chain(attempt: Attempt, schema: Schema) -> Iterator[str]:

@@ -152,6 +152,10 @@ def _required(about: _Subject) -> RequiredABox:
         facts=tuple(_fact(fact) for fact in about.members("trace_memberFact")),
         premise=tuple(_fact(fact) for fact in about.members("trace_declares")),
         source=about.text("trace_taskFile"),
+        alternatives=tuple(
+            tuple(fact.integer("trace_index") for fact in way.members("trace_asksFor"))
+            for way in about.members("trace_alternative")
+        ),
     )
 
 

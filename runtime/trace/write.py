@@ -146,6 +146,12 @@ def _required(iri: str, top: str, required: RequiredABox, thresholds: frozenset[
     yield from _link(iri, TRACE + "declares", *(f"{top}/premise/fact/{i}" for i in range(len(required.premise))))
     yield from _link(iri, TRACE + "memberFact", *(f"{iri}/fact/{i}" for i in range(len(required.facts))))
     yield from _facts(iri, top, required.facts, thresholds)
+    for index, way in enumerate(required.alternatives):
+        alternative = f"{iri}/alternative/{index}"
+        yield from _link(iri, TRACE + "alternative", alternative)
+        yield from _describe(alternative, [TRACE + "Alternative"], trace_index=index)
+        yield from _link(alternative, TRACE + "asksFor", *(f"{iri}/fact/{i}" for i in way))
+        yield from _link(alternative, _DERIVED, iri)
 
 
 def _facts(abox: str, top: str, facts: Sequence[Fact], thresholds: frozenset[str]) -> Iterator[Statement]:

@@ -9,9 +9,9 @@ from grounding.observation import Evidence, Observation, stack
 from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.rdf import MAN
-from onto_compiler.required import Entity, Fact, NativeAtom
+from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
 from onto_compiler.tables import ABSENT, EXPLICITLY_FALSE, MARGIN_VIOLATED, SATISFIED, STATUSES, RuleTables
-from runtime.diagnosis import diagnose, evidence_status, select
+from runtime.diagnosis import by_distance, diagnose, diagnose_goal, evidence_status, select
 from runtime.routing import route
 
 NAN = float("nan")
@@ -92,3 +92,46 @@ def test_facts_and_observation_of_different_length_are_a_programming_error():
     observation = Observation("sim", 0, empty.astype(bool), empty.astype(bool), empty, empty, ())
     with pytest.raises(ValueError, match="1 required facts"):
         evidence_status([fact()], observation)
+
+
+def goal(alternatives, *facts):
+    return RequiredABox("task", "", "p", facts, alternatives=alternatives)
+
+
+@pytest.mark.parametrize(
+    ("evidence", "order"),
+    [
+        # Fewer unmet facts first, however far away the one is.
+        ([Evidence(False, -9), Evidence(False, -0.1), Evidence(False, -0.1)], ((0,), (1, 2))),
+        ([Evidence(False, -9), Evidence(False, -0.1), Evidence(True, 0.1)], ((1, 2), (0,))),
+        # Of as many, the one that lacks less; what has no margin comes last.
+        ([Evidence(False, -0.2), Evidence(True, 0.1), Evidence(False, -0.1)], ((1, 2), (0,))),
+        ([Evidence(False, NAN), Evidence(True, 0.1), Evidence(False, -0.1)], ((1, 2), (0,))),
+        ([None, Evidence(True, 0.1), Evidence(False, -5)], ((1, 2), (0,))),
+        # Of equals the first.
+        ([Evidence(True, 0.1), Evidence(True, 0.1), Evidence(True, 0.3)], ((0,), (1, 2))),
+    ],
+)
+def test_the_nearest_alternative_comes_first(evidence, order):
+    required = goal(((0,), (1, 2)), fact(), fact(), fact())
+    observation = stack("sim", 0, evidence)
+    assert by_distance(required, observation) == order
+    tables = load_knowledge().tables
+    for rank, way in enumerate(order):
+        found = diagnose_goal(required, observation, tables, rank)
+        whole = diagnose(required.facts, observation, tables)
+        assert repr(found) == repr(tuple(d for d in whole if d.index in way))
+
+
+def test_distance_is_signed_by_polarity():
+    required = goal(((0,), (1,)), fact(polarity=False), fact())
+    assert by_distance(required, stack("sim", 0, [Evidence(True, 0.01), Evidence(False, -0.02)])) == ((0,), (1,))
+
+
+def test_a_goal_without_alternatives_asks_for_every_fact():
+    required = goal((), fact(), fact(threshold=0.05))
+    observation = stack("sim", 0, [Evidence(False, -0.1), Evidence(True, 0.01)])
+    tables = load_knowledge().tables
+    assert by_distance(required, observation) == ((0, 1),)
+    assert diagnose_goal(required, observation, tables) == diagnose(required.facts, observation, tables)
+    assert len(diagnose_goal(required, observation, tables)) == 2

@@ -65,11 +65,11 @@ class Offers:
         return Proposal(self.name, self.name, request.candidate, np.zeros(3), ())
 
 
-def run(facts, environment, budget=4, predicted=None, **counts):
+def run(facts, environment, budget=4, predicted=None, alternatives=(), **counts):
     names = ("source_joint_pose", "object_relation_predicate", "rack_contact_site", "source_joint_residual")
     proposers = {name: Offers(name, counts.get(name, 99)) for name in names}
     loop = CorrectionLoop(load_knowledge(), proposers, budget)
-    required = RequiredABox("task", "do it", "problem", tuple(facts))
+    required = RequiredABox("task", "do it", "problem", tuple(facts), alternatives=alternatives)
     seen = []
     rng = np.random.default_rng(0)
     result = loop.run(required, environment, rng, predicted=predicted, report=seen.append)
@@ -99,6 +99,16 @@ def test_an_unsatisfied_prediction_is_corrected_and_regrounded_in_the_simulator(
     assert result.outcome == "accepted"
     assert [a.observation.source for a in result.attempts] == ["pred", "sim"]
     assert [a.diagnoses[0].source for a in result.attempts] == ["pred", "sim"]
+
+
+def test_one_alternative_is_enough():
+    environment = Scripted([[FALSE, FALSE], [FALSE, TRUE]], [False, True])
+    prediction = stack("pred", 0, [FALSE, TRUE])
+    assert run([ON, OPEN], None, predicted=prediction).outcome == "unresolved"
+    assert run([ON, OPEN], None, predicted=prediction, alternatives=((0,), (1,))).outcome == "retained"
+    result = run([ON, OPEN], environment, alternatives=((0, 1), (1,)))
+    assert result.outcome == "accepted"
+    assert [d.index for d in result.attempts[0].diagnoses] == [1]
 
 
 def test_a_simulated_state_that_holds_is_verified():

@@ -59,6 +59,22 @@ def test_diagnose_orders_a_task_of_two_facts(capsys):
     ]
 
 
+def test_diagnose_speaks_of_the_nearest_alternative_and_of_the_others_when_asked(capsys, tmp_path):
+    text = Path("docs/examples/serve_the_cheese.bddl").read_text("utf-8")
+    task = tmp_path / "either.bddl"
+    bowl = "(And (On akita_black_bowl_1 ?p) (Not (On cream_cheese_1 ?p)))"
+    goal = f"(exists (?p - plate) (Or (On cream_cheese_1 ?p) {bowl}))"
+    task.write_text(f"{text[: text.index('(:goal')]}(:goal {goal})\n)\n", "utf-8")
+    code, out, _ = run(capsys, "diagnose", str(task))
+    assert code == FINDINGS
+    assert out.startswith("either, state 0: 1 unmet of 2 required, by the nearest of 2 alternatives\n")
+    assert "alternative 2" not in out
+    code, out, _ = run(capsys, "diagnose", str(task), "--alternatives", "--json")
+    record = json.loads(out)
+    assert record["alternatives"] == [["on(akita_black_bowl_1, plate_1)"], ["on(cream_cheese_1, plate_1)"]]
+    assert [row["arguments"] for row in record["diagnoses"]] == [["akita_black_bowl_1", "plate_1"]]
+
+
 def test_repair_records_what_it_tells(capsys, tmp_path):
     code, out, _ = run(capsys, "repair", "libero_goal/0", "--json", "--out", str(tmp_path / "out"))
     told = json.loads(out)

@@ -12,6 +12,8 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Store
 
 from onto_compiler.check.model import load_model
 from onto_compiler.compile_schema import compile_schema
+from onto_compiler.emit.imports import unresolved, with_imports
+from onto_compiler.problems import OntoError
 from onto_compiler.rdf import OWL, RDF, RDFS, SKOS, XSD, node
 from onto_compiler.schema import Schema, local_name
 
@@ -100,10 +102,13 @@ class TBox:
 
 
 def read_tbox(paths: Sequence[Path | str] = ()) -> TBox:
-    """The shipped ontology with a person's own Turtle on top; an own file may take a shipped one's place.
+    """The shipped ontology with a person's own Turtle and its imports on top; own files may take shipped ones' places.
 
     Raises:
-        OntoError: TTL0nn, for every file that is missing or is not Turtle; SCH001, as ``compile_schema``.
+        OntoError: TTL0nn, for every file that is missing or is not Turtle; OWL003, for an import that no file declares;
+            SCH001, as ``compile_schema``.
     """
-    store = load_model(paths).store
+    store = load_model(with_imports(paths)).store
+    if problems := list(unresolved(store)):
+        raise OntoError(*problems)
     return TBox(store, compile_schema(store))

@@ -49,10 +49,9 @@ def _text(found: Comparison) -> Iterator[str]:
         yield "no term changed"
     for release in found.releases:
         yield _heading(release)
-        for change in found.changes:
-            if change.ontology == release.ontology:
-                mark = "breaking: " if change.breaking else ""
-                yield f"  {mark}{_sentence(change, '')}"
+        own = [change for change in found.changes if change.ontology == release.ontology]
+        for change in sorted(own, key=lambda change: not change.breaking):
+            yield f"  {'breaking: ' if change.breaking else ''}{_sentence(change, '')}"
         if not release.enough:
             yield f"  the version must be raised: {release.breaking} breaking {_plural('change', release.breaking)}"
 

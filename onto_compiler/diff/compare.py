@@ -109,10 +109,13 @@ class _Known:
 
 def _changes(old: Side, new: Side) -> Iterator[Change]:
     known = _Known(frozenset(map(iri_text, old.terms)), _texts(new))
+    before_kinds, after_kinds = _kinds(old), _kinds(new)
     for iri in sorted({*old.terms, *new.terms}):
         before, after = old.terms.get(iri), new.terms.get(iri)
-        side = new if after is not None else old
-        ontology, kind = side.ontology.get(iri, ""), _kind(side, iri)
+        side, kinds = (new, after_kinds) if after is not None else (old, before_kinds)
+        types = side.terms[iri].get(_TYPE, frozenset())
+        kind = next((kind for text, kind in kinds.items() if text in types), "individual")
+        ontology = side.ontology.get(iri, "")
         if before is None:
             yield Change(ontology, iri, "added", kind, breaking=kind == "shape")
         elif after is None:
@@ -146,16 +149,13 @@ def _texts(side: Side) -> dict[str, frozenset[str]]:
     return {iri_text(cls): frozenset(map(iri_text, above)) for cls, above in side.above.items()}
 
 
-def _kind(side: Side, iri: str) -> str:
-    types = sorted(side.terms[iri].get(_TYPE, ()))
-    for text, kind in ((iri_text(cls), kind) for cls, kind in _KINDS.items()):
-        if text in types:
-            return kind
+def _kinds(side: Side) -> dict[str, str]:
+    """For each class that makes a term more than an individual, as Turtle text, what it makes of it."""
+    found = {iri_text(cls): kind for cls, kind in _KINDS.items()}
     for root, kind in _ROOTS.items():
-        below = {iri_text(root), *(iri_text(cls) for cls, above in side.above.items() if root in above)}
-        if below & {*types}:
-            return kind
-    return "individual"
+        found |= {iri_text(cls): kind for cls, above in side.above.items() if root in above}
+        found[iri_text(root)] = kind
+    return found
 
 
 Values = tuple[str, ...]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from onto_compiler.emit.tbox import TBox
+from onto_compiler.emit.words import words
 from onto_compiler.rdf import CORE, RDFS, shorten
-from onto_compiler.schema import local_name
 
 __all__ = ["emit"]
 
@@ -33,8 +33,9 @@ def _classes(tbox: TBox) -> Iterator[str]:
         yield f"class {_id(iri)}[{_quoted(shorten(iri))}]"
     for iri in shown:
         yield from (f"{_id(above)} <|-- {_id(iri)}" for above in tbox.iris(iri, RDFS + "subClassOf") if above in shown)
+    units = {iri: word for word, iri in words(tbox, "unit").items()}
     for _, signature in sorted(schema.predicates.items()):
-        unit = f" in {local_name(signature.margin_unit)}" if signature.margin_unit else ""
+        unit = f" in {_plain(units[signature.margin_unit])}" if signature.margin_unit in units else ""
         match signature.parameters:
             case (first, second):
                 yield f"{_id(first)} --> {_id(second)} : {_plain(signature.name)}{unit}"

@@ -23,14 +23,14 @@ def pair(tmp_path):
     return [str(tmp_path / "old.ttl"), str(tmp_path / "new.ttl")]
 
 
-def test_text_is_one_sentence_a_change(pair, capsys):
+def test_text_is_one_sentence_a_change_and_what_breaks_comes_first(pair, capsys):
     assert main(["diff", *pair]) == FINDINGS
     assert capsys.readouterr().out == (
         "https://example.org/e, version 1.0.0\n"
         "  breaking: removed class https://example.org/e#A\n"
+        "  breaking: changed unit of predicate man:near: core:marginUnit unit:M -> unit:N\n"
         "  added class https://example.org/e#B\n"
         "  changed priority of predicate man:near: core:priority 1 -> 2\n"
-        "  breaking: changed unit of predicate man:near: core:marginUnit unit:M -> unit:N\n"
         "  the version must be raised: 2 breaking changes\n"
     )
 

@@ -66,6 +66,14 @@ def test_an_ontology_does_not_differ_from_itself(old, new, expected, tmp_path):
     assert changes(tmp_path, old, old) == changes(tmp_path, new, new) == ()
 
 
+@pytest.mark.parametrize(("old", "new", "expected"), CASES)
+def test_the_way_back_is_the_same_change_with_its_sides_swapped(old, new, expected, tmp_path):
+    (there,), (back,) = changes(tmp_path, old, new), changes(tmp_path, new, old)
+    opposite = {"added": "removed", "removed": "added"}
+    assert (back.term, back.property, back.old, back.new) == (there.term, there.property, there.new, there.old)
+    assert back.change == opposite.get(there.change, "changed")
+
+
 def test_a_change_says_what_was_and_what_is(tmp_path):
     (found,) = changes(tmp_path, PREDICATE + "; core:marginUnit unit:M .", PREDICATE + "; core:marginUnit unit:N .")
     assert (found.property, found.old, found.new) == (CORE + "marginUnit", ("unit:M",), ("unit:N",))

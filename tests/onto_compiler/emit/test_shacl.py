@@ -48,6 +48,16 @@ def violations(quads, shapes):
     }
 
 
+def own_engine(quads):
+    """As ``violations``, by the engine of ``onto check``."""
+    store = Store()
+    store.load(emit(read_tbox()).encode(), format=RdfFormat.TURTLE)
+    shapes = compile_shapes(store)
+    data = load_store()
+    data.extend(quads)
+    return {(result.focus.value, result.component) for result in validate(data, shapes)}
+
+
 def test_the_shapes_are_turtle_that_onto_check_accepts(tmp_path):
     file = tmp_path / "shapes.ttl"
     file.write_text(emit(read_tbox()))
@@ -150,6 +160,8 @@ def test_a_mutated_record_is_refused_by_both_kinds_of_shapes(mutate, component, 
     found = violations([*vocabulary, *quads], shapes)
     kinds = {name.removesuffix("ConstraintComponent") for _, name in found}
     assert kinds & ({component} if component else {"Class", "Datatype"})
+    by_own_engine = own_engine(quads)
+    assert {focus for focus, _ in by_own_engine} == {focus for focus, _ in found}
     store = load_store()
     store.extend(quads)
     by_hand = {result.focus.value for result in validate(store, compile_shapes(store))}

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from onto_compiler.bddl import codes
-from onto_compiler.bddl.ast import Atom, Symbol, TaskSpec
+from onto_compiler.bddl.ast import Atom, Symbol, TaskSpec, atoms
 from onto_compiler.bddl.dialects import LIBERO, dialect_of
 from onto_compiler.bddl.lint import lint
 from onto_compiler.bddl.literals import goal_of
@@ -45,6 +45,9 @@ def lift(spec: TaskSpec, schema: Schema, task: str) -> tuple[RequiredABox, tuple
     goal = [lifter.fact(atom, polarity=polarity) for atom, polarity in wanted.literals]
     premise = [initial.fact(atom, polarity=True) for atom in spec.init]
     premise += [initial.fact(atom, polarity=False) for atom in spec.absent]
+    if problems:
+        # What could not be written out is not among the literals, and its predicates may lack a binding too.
+        goal += [_Result(problems=lifter.unbound(atom)) for atom in atoms(spec.goal)]
     # One atom under a quantifier gives one problem, however many instances it was ground with.
     errors = list(dict.fromkeys([*problems, *(problem for result in goal for problem in result.problems)]))
     findings = [replace(problem, severity="warning") for result in premise for problem in result.problems]
@@ -80,22 +83,15 @@ class _Lifter:
 
     def fact(self, atom: Atom, *, polarity: bool) -> _Result:
         """Lift one atom; an atom with several faults has a problem for each."""
-        name = atom.predicate.casefold()
-        native = dialect_of(self.domain) is LIBERO
-        bindings = [
-            each
-            for each in self.schema.bindings
-            if each.native.casefold() == name and (each.domain == self.domain or (native and not each.domain))
-        ]
-        # Another domain's predicate may share its name with ours and mean something else: it needs a binding.
-        direct = self.schema.predicate_named(name) if native else None
-        if not native and not bindings:
-            return _Result(problems=(self.no_binding(atom),))
+        bindings, direct = self.candidates(atom.predicate)
+        unbound = self.unbound(atom)
+        if unbound and self.foreign:
+            return _Result(problems=unbound)
         signatures = [each.arguments for each in bindings] or ([direct.parameters] if direct else [])
         problems = [problem for symbol in atom.arguments for problem in self.unknown_name(symbol)]
         count = len(atom.arguments)
-        if not signatures:
-            problems.append(self.unknown_predicate(atom))
+        if unbound:
+            problems += unbound
         elif count not in {len(each) for each in signatures} and not (direct and count == len(direct.parameters)):
             problems.append(_wrong_count(atom, signatures))
         if problems or any(symbol.name.startswith("?") for symbol in atom.arguments):
@@ -107,6 +103,28 @@ class _Lifter:
         if direct and self.fits(named, direct.parameters):
             return self.direct(atom, direct, named, polarity=polarity)
         return _Result(problems=(self.wrong_types(atom, named, signatures),))
+
+    @property
+    def foreign(self) -> bool:
+        """Whether the domain's predicates share no more than names with ours, so that each needs a binding."""
+        return dialect_of(self.domain) is not LIBERO
+
+    def candidates(self, predicate: str) -> tuple[list[Binding], PredicateSignature | None]:
+        """What may lift the atoms of ``predicate``: bindings in their order, and the predicate of that name."""
+        name = predicate.casefold()
+        bindings = [
+            each
+            for each in self.schema.bindings
+            if each.native.casefold() == name and (each.domain == self.domain or not (each.domain or self.foreign))
+        ]
+        return bindings, None if self.foreign else self.schema.predicate_named(name)
+
+    def unbound(self, atom: Atom) -> tuple[Problem, ...]:
+        """A problem where nothing can lift the atoms of this predicate."""
+        bindings, direct = self.candidates(atom.predicate)
+        if bindings or direct:
+            return ()
+        return (self.no_binding(atom) if self.foreign else self.unknown_predicate(atom),)
 
     def fits(self, named: Sequence[Named], classes: Sequence[str]) -> bool:
         """Whether each argument is of the class at its place, and their numbers agree."""

@@ -124,7 +124,9 @@ def _intersection(tbox: TBox, _: Term, head: Term, depth: int) -> tuple[Pair, ..
 
 def _union(tbox: TBox, _: Term, head: Term, depth: int) -> tuple[Pair, ...]:
     parts = [expression(tbox, member, depth) for member in tbox.items(head)]
-    return (("sh:or", _alternatives(parts)),) if parts and all(parts) else ()
+    if not parts:
+        return (("sh:in", Seq(())),)
+    return (("sh:or", _alternatives(parts)),) if all(parts) else ()
 
 
 def _alternatives(parts: list[tuple[Pair, ...]]) -> Seq:

@@ -98,12 +98,9 @@ def _signatures(tbox: TBox) -> Iterator[Json]:
     """The classes of the arguments, for records that write them."""
     for signature in _sorted(tbox):
         items = [{"properties": {"type": {"enum": _classes(tbox, wanted)}}} for wanted in signature.parameters]
-        count = len(items)
-        yield _when(
-            "predicate",
-            [local_name(signature.iri)],
-            {"arguments": {"prefixItems": items, "minItems": count, "maxItems": count}},
-        )
+        typed = {"prefixItems": items} if items else {}
+        length = {"minItems": len(items), "maxItems": len(items)}
+        yield _when("predicate", [local_name(signature.iri)], {"arguments": {**typed, **length}})
 
 
 def _classes(tbox: TBox, wanted: str) -> list[str]:

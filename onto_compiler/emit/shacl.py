@@ -106,6 +106,7 @@ def _property_shape(tbox: TBox, iri: str, left_out: list[str]) -> str:
         value.append(("sh:maxCount", "1"))
     value += [("sh:disjoint", iri_text(other)) for other in tbox.iris(term, OWL + "propertyDisjointWith")]
     if value:
+        value = _one_each(value)
         own.append(("sh:property", Blank((("sh:path", iri_text(iri)), *value, ("sh:message", _says(name, value))))))
     if iri in tbox.declared("InverseFunctionalProperty"):
         own.append(("sh:property", _inverse_functional(iri)))

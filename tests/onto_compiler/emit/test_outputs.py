@@ -11,12 +11,17 @@ from itertools import product
 from pathlib import Path
 
 import pytest
+from jsonschema import Draft202012Validator
+from pyoxigraph import RdfFormat, Store
+from rdflib import Graph
 
 from onto_compiler.emit import OUTPUTS, emit
 from onto_compiler.emit.command import SCHEMA as COMMAND
 from onto_compiler.emit.tbox import read_tbox
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.rdf import MAN
+from onto_compiler.shapes import compile_shapes, validate
+from onto_compiler.sources import load_store
 from onto_compiler.tables import STATUSES
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -73,6 +78,19 @@ def test_every_output_grows_with_a_persons_own_ontology(output):
     own = emit(output, read_tbox([ROOT / "docs/examples/served.ttl"]))
     assert re.search(r"\b[Ss]erved", own)
     assert not re.search(r"\b[Ss]erved", emit(output, read_tbox()))
+
+
+def test_an_ontology_full_of_slips_still_gives_well_formed_outputs():
+    texts = {output: emit(output, read_tbox([Path(__file__).parent / "odd.ttl"])) for output in OUTPUTS}
+    assert len(Graph().parse(data=texts["shacl"], format="turtle")) > 1000
+    store = Store()
+    store.load(texts["shacl"].encode(), format=RdfFormat.TURTLE)
+    assert validate(load_store(), compile_shapes(store)) == ()
+    assert texts["shacl"].count("# Not expressed: ") == 4
+    Draft202012Validator.check_schema(json.loads(texts["jsonschema"]))
+    assert all(json.loads(texts[output]) for output in ("jsonld", "dense"))
+    compile(texts["python"], "predicates.py", "exec")
+    assert texts["mermaid"].count("```") == 4
 
 
 def test_the_command_offers_every_output():

@@ -3,8 +3,10 @@
 import json
 
 import pytest
+from pyoxigraph import RdfFormat, parse, serialize
 from rdflib import RDF, RDFS, Graph, Literal, Namespace, URIRef
 from rdflib.collection import Collection
+from rdflib.compare import isomorphic
 
 from onto_compiler.commands import abox_record
 from onto_compiler.emit.jsonld import emit
@@ -41,6 +43,17 @@ def test_every_property_is_declared_by_the_ontology(context):
         graph = episode(context, sample)
         assert len(graph) > 8
         assert {str(predicate) for predicate in graph.predicates()} <= declared
+
+
+@pytest.mark.parametrize("sample", all_samples(), ids=lambda sample: sample.outcome)
+def test_two_readers_of_json_ld_find_the_same_statements(sample, context):
+    compiled = {"tasks": [abox_record(sample.required)], "problems": []}
+    for record in ({"@id": str(THIS), **episode_summary(sample, SCHEMA)}, compiled):
+        text = json.dumps({**context, **record})
+        triples = [quad.triple for quad in parse(text.encode(), format=RdfFormat.JSON_LD)]
+        assert len(triples) > 8
+        other = Graph().parse(data=serialize(triples, format=RdfFormat.N_TRIPLES), format="nt")
+        assert isomorphic(other, Graph().parse(data=text, format="json-ld"))
 
 
 def test_an_episode_reads_as_what_it_says(context):

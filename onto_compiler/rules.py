@@ -1,67 +1,68 @@
-"""The rule base: SHACL Advanced Features rules (``sh:SPARQLRule``), run by Oxigraph over any store that holds the TBox.
+"""The rule base: SHACL Advanced Features rules over any store that holds the TBox (SHACL-AF, section 8).
 
-A rule fires for the instances of its shape's target class (SHACL-AF, section 8). Rules run in ascending ``sh:order``;
-what one order concludes, the next can read. Nothing here knows what a rule says.
+A rule fires for the targets of its shape. Rules run in ascending ``sh:order``; what one order concludes, the next can
+read. Nothing here knows what a rule says. A SPARQL rule for the instances of a class is asked once for all of them; any
+other rule (a triple rule, one with conditions) runs on :mod:`onto_compiler.shacl.rules`, node by node.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import cast
 
 from pyoxigraph import NamedNode, Quad, QuerySolutions, QueryTriples, Store, Triple
 
 from onto_compiler.problems import OntoError
-from onto_compiler.rdf import prologue
+from onto_compiler.rdf import RDFS, node, prologue
+from onto_compiler.shacl.graph import Graph
+from onto_compiler.shacl.prebinding import is_joined
+from onto_compiler.shacl.rules import GraphRule, RuleBase, read_rule_base
 
 __all__ = ["Rule", "apply_rules", "read_rules"]
 
-_RULES = """
-SELECT ?this ?label ?order ?construct ?target ?prefix ?namespace WHERE {
-    ?shape sh:targetClass ?target ; sh:rule ?this .
-    ?this a sh:SPARQLRule ; sh:construct ?construct .
-    OPTIONAL { ?this sh:order ?order } OPTIONAL { ?this rdfs:label ?label }
-    OPTIONAL { ?this sh:prefixes/sh:declare [ sh:prefix ?prefix ; sh:namespace ?namespace ] }
-} ORDER BY ?order ?this ?target ?prefix"""
 _FOCUS = "SELECT DISTINCT ?this WHERE { ?this a/rdfs:subClassOf* ?target }"
 
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """One SPARQL rule: ``query`` is its CONSTRUCT with the declared prefixes in front."""
+    """One rule for one target class; ``query`` is the CONSTRUCT of a SPARQL rule with the declared prefixes in front.
+
+    ``general`` is the rule as the general engine runs it, where it is not asked of all instances at once.
+    """
 
     iri: str
     label: str
     order: float
-    target: str  # class IRI
+    target: str  # class IRI; empty where the targets are no classes
     query: str
+    shape_order: float = 0.0
+    general: RuleBase | None = None
 
 
 def read_rules(store: Store) -> tuple[Rule, ...]:
-    """Every SPARQL rule in ``store``, in the order in which they run."""
-    prefixes: dict[tuple[str, str], set[tuple[str, str]]] = {}
-    bodies: dict[tuple[str, str], tuple[str, float, str]] = {}
-    solutions = cast("QuerySolutions", store.query(prologue() + _RULES, use_default_graph_as_union=True))
-    for row in solutions:
-        key = (row["this"].value, row["target"].value)
-        label = row["label"].value if row["label"] is not None else row["this"].value
-        order = float(row["order"].value) if row["order"] is not None else 0.0
-        bodies[key] = (label, order, row["construct"].value)
-        declared = prefixes.setdefault(key, set())
-        if row["prefix"] is not None:
-            declared.add((row["prefix"].value, row["namespace"].value))
-    rules = [
-        Rule(
-            iri=iri,
-            label=label,
-            order=order,
-            target=target,
-            query="".join(f"PREFIX {p}: <{ns}>\n" for p, ns in sorted(prefixes[iri, target])) + construct,
-        )
-        for (iri, target), (label, order, construct) in bodies.items()
-    ]
-    return tuple(sorted(rules, key=lambda rule: (rule.order, rule.iri, rule.target)))
+    """Every rule in ``store`` that is not deactivated, in the order in which they run.
+
+    Raises:
+        ShapeFault: a rule is of a kind that is not known, or lacks a part.
+    """
+    graph = Graph.of_store(store)
+    base = read_rule_base(graph)
+    rules = [rule for one in base.rules for rule in _rules(graph, base, one)]
+    return tuple(sorted(rules, key=lambda rule: (rule.shape_order, rule.order, rule.iri, rule.target)))
+
+
+def _rules(graph: Graph, base: RuleBase, one: GraphRule) -> Iterator[Rule]:
+    """A batched rule for each of its classes, or else one rule with all its targets."""
+    shape_order, order = one.order
+    labels = graph.objects(one.iri, node(RDFS + "label"))
+    label = next(iter(labels), one.iri).value
+    classes = [target.term.value for target in one.targets if target.kind == "class"]
+    if one.text and not one.conditions and len(classes) == len(one.targets) and is_joined(one.text, "this"):
+        yield from (Rule(one.iri.value, label, order, cls, one.text, shape_order) for cls in classes)
+    else:
+        alone = RuleBase((one,), base.shapes)
+        yield Rule(one.iri.value, label, order, next(iter(classes), ""), one.text, shape_order, alone)
 
 
 def apply_rules(
@@ -72,20 +73,24 @@ def apply_rules(
     ``focus`` restricts the nodes that may fire; by default all instances of each rule's target class do.
 
     Raises:
-        OntoError: RUN001, where a rule is not a SPARQL CONSTRUCT query.
+        OntoError: RUN001, where a rule is not a SPARQL CONSTRUCT query; SHP002, where another rule cannot run.
     """
     allowed = None if focus is None else set(focus)
     concluded: list[Triple] = []
-    for order in sorted({rule.order for rule in rules}):
-        fresh = [
-            triple
-            for rule in rules
-            if rule.order == order
-            for triple in _construct(store, rule, _instances(store, rule.target, allowed))
-        ]
+    for order in sorted({(rule.shape_order, rule.order) for rule in rules}):
+        chosen = [rule for rule in rules if (rule.shape_order, rule.order) == order]
+        fresh = [triple for rule in chosen if rule.general is None for triple in _batch(store, rule, allowed)]
+        general = [rule.general for rule in chosen if rule.general is not None]
+        if general:
+            data = Graph.of_store(store)
+            fresh += [triple for base in general for triple in base.conclude(data, allowed)]
         store.extend(Quad(t.subject, t.predicate, t.object, graph) for t in fresh)
         concluded += fresh
     return concluded
+
+
+def _batch(store: Store, rule: Rule, allowed: set[NamedNode] | None) -> list[Triple]:
+    return _construct(store, rule, _instances(store, rule.target, allowed))
 
 
 def _instances(store: Store, target: str, allowed: set[NamedNode] | None) -> list[NamedNode]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Store, serialize
 from rdflib import Graph, URIRef
-from rdflib.namespace import RDF, SH
+from rdflib.namespace import SH
 
 from onto_compiler.rdf import SH as SHACL
 from onto_compiler.shacl.graph import Term
@@ -24,8 +24,8 @@ def as_graph(store: Store) -> Graph:
 
 
 def read_report(report: Graph) -> Iterator[Row]:
-    """The results of a pySHACL report."""
-    for result in report.subjects(RDF.type, SH.ValidationResult):
+    """The results of a pySHACL report; what it gives as the detail of a result is left out."""
+    for result in report.objects(None, SH.result):
         yield (
             _required(report.value(result, SH.focusNode)),
             _term(report.value(result, SH.resultPath)),

@@ -16,7 +16,7 @@ from pyoxigraph import BlankNode, NamedNode
 from onto_compiler.shacl.graph import Term
 from onto_compiler.turtle.tokens import Token, tokens
 
-__all__ = ["Query", "read_query", "unsupported"]
+__all__ = ["Query", "is_joined", "read_query", "unsupported"]
 
 _FUNCTION = "urn:onto-evwm:prebound:"
 _OPTIONAL = {"shapesGraph", "currentShape"}
@@ -26,7 +26,7 @@ Functions = dict[NamedNode, Callable[..., Any]]
 
 @dataclass(frozen=True, slots=True)
 class Query:
-    """A query cut at its pre-bound variables. A slot is the variable's name and how it stands there."""
+    """A query cut at its pre-bound variables. A slot is the variable's name and the form that takes its place."""
 
     text: str
     pieces: tuple[str | tuple[str, str], ...]
@@ -41,9 +41,9 @@ class Query:
             if isinstance(piece, str):
                 written.append(piece)
                 continue
-            name, manner = piece
+            name, form = piece
             term = given.get(name)
-            written.append(f"?{name}" if term is None else _FORMS[manner].format(term=term, name=name))
+            written.append(f"?{name}" if term is None else form.replace("\0", str(term)))
         return "".join(written), {}
 
     def bind_by_function(self, given: Mapping[str, Term]) -> tuple[str, Functions]:
@@ -66,9 +66,6 @@ def _same(term: Term) -> Term:
     return term
 
 
-_FORMS = {"plain": "{term}", "projected": "({term} AS ?{name})", "grouped": "({term})", "bound": "(true)"}
-
-
 def read_query(text: str, names: Iterable[str]) -> Query:
     """Cut ``text``; ``names`` are those of the variables that may be pre-bound."""
     wanted = set(names)
@@ -82,19 +79,34 @@ def read_query(text: str, names: Iterable[str]) -> Query:
         start, end = token.start, token.end
         if manners[place] == "bound":
             start, end = read[place - 2].start, read[place + 1].end
-        pieces += [text[at:start], (token.text[1:], manners[place])]
+        pieces += [text[at:start], (token.text[1:], _form(token.text[1:], manners[place], place))]
         at = end
     return Query(text, (*pieces, text[at:]), tuple(_openings(read)))
+
+
+def _form(name: str, manner: str, place: int) -> str:
+    match manner:
+        case "bound":
+            return "(true)"
+        case "grouped":
+            return "(\0)"
+        case "projected":
+            return f"(\0 AS ?{name})"
+        case "nested":  # two projections in one scope must not assign the same name
+            return f"(\0 AS ?{name}_{place})"
+        case _:
+            return "\0"
 
 
 def _manners(read: list[Token]) -> list[str]:
     """How a variable at each place would be replaced."""
     manners = []
-    clause, depth = "", 0
+    clause, depth, selects = "", 0, 0
     for place, token in enumerate(read):
         word = token.text.upper() if token.kind == "word" else ""
         if word == "SELECT":
-            clause, depth = "projected", 0
+            clause, depth = ("nested" if selects else "projected"), 0
+            selects += 1
         elif word in {"GROUP", "ORDER"} and place + 1 < len(read) and read[place + 1].text.upper() == "BY":
             clause, depth = "grouped", 0
         elif token.text in {"{", "}"} or word in {"WHERE", "FROM"} or word in _CLAUSE_END:
@@ -124,6 +136,26 @@ def _openings(read: list[Token]) -> Iterator[int]:
             template = False
         elif following != "SELECT" and read[place - 1].text.upper() != "EXISTS":
             yield token.end
+
+
+def is_joined(text: str, name: str) -> bool:
+    """Whether a CONSTRUCT uses ``name`` in the patterns of its outermost group alone.
+
+    Solutions for many nodes can then be had at once: to join with them is to bind them everywhere.
+    """
+    read = list(tokens(text))
+    words = [token.text.upper() for token in read]
+    begin = words.index("WHERE") if "WHERE" in words else len(read)
+    braces = brackets = 0
+    joined = False
+    for token in read[begin:]:
+        braces += (token.text == "{") - (token.text == "}")
+        brackets += (token.text == "(") - (token.text == ")")
+        if token.kind == "variable" and token.text[1:] == name:
+            if braces != 1 or brackets:
+                return False
+            joined = True
+    return joined and "SELECT" not in words
 
 
 def unsupported(text: str, names: Iterable[str]) -> str:

@@ -5,8 +5,8 @@ What one order concludes, the next can read; rules of the same order do not read
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Iterable, Iterator
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import cast
 
@@ -38,6 +38,7 @@ class GraphRule:
     targets: tuple[Target, ...]
     conditions: tuple[Term, ...]
     conclude: Conclude
+    text: str = ""  # of a SPARQL rule, its CONSTRUCT with the declared prefixes in front
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,17 +57,26 @@ class RuleBase:
         """
         concluded: list[Triple] = []
         for order in sorted({rule.order for rule in self.rules}):
-            run = Validation(data, self.shapes)
-            fresh = [
-                triple
-                for rule in self.rules
-                if rule.order == order
-                for focus in list(focus_nodes(data, rule.targets))
-                if all(run.conforms(focus, condition) for condition in rule.conditions)
-                for triple in rule.conclude(run, focus)
-            ]
-            concluded += [triple for triple in fresh if data.add(triple)]
+            same = replace(self, rules=tuple(rule for rule in self.rules if rule.order == order))
+            concluded += [triple for triple in same.conclude(data) if data.add(triple)]
         return concluded
+
+    def conclude(self, data: Graph, allowed: Container[Term] | None = None) -> list[Triple]:
+        """What the rules conclude of ``data`` as it is; ``allowed`` restricts the nodes that they fire for.
+
+        Raises:
+            ShapeFault: as above.
+
+        """
+        run = Validation(data, self.shapes)
+        return [
+            triple
+            for rule in self.rules
+            for focus in list(focus_nodes(data, rule.targets))
+            if allowed is None or focus in allowed
+            if all(run.conforms(focus, condition) for condition in rule.conditions)
+            for triple in rule.conclude(run, focus)
+        ]
 
 
 def read_rule_base(graph: Graph) -> RuleBase:
@@ -92,15 +102,17 @@ def _rule(compiler: Compiler, shape: Term, node: Term, targets: tuple[Target, ..
     reader = Reader(compiler.reader.graph)
     conditions = tuple(reader.shape(condition) for condition in reader.values(node, "condition"))
     kinds = {kind.value.removeprefix(SH) for kind in reader.values(node, NamedNode(RDF + "type"))}
+    text = ""
     if "SPARQLRule" in kinds or reader.values(node, "construct"):
-        conclude = _constructing(reader, shape, node)
+        text = _construct(reader, shape, node)
+        conclude = _constructing(text, shape, node)
     elif "TripleRule" in kinds or reader.values(node, "subject"):
         conclude = _stating(reader, shape, node)
     else:
         raise ShapeFault("a sh:rule is neither a sh:TripleRule nor a sh:SPARQLRule", shape, "rule", node)
     for needed in reader.wanted:
         compiler.shape(needed)
-    return GraphRule(node, (_order(reader, shape), _order(reader, node)), targets, conditions, conclude)
+    return GraphRule(node, (_order(reader, shape), _order(reader, node)), targets, conditions, conclude, text)
 
 
 def _order(reader: Reader, node: Term) -> float:
@@ -127,17 +139,21 @@ def _stating(reader: Reader, shape: Term, node: Term) -> Conclude:
     return conclude
 
 
-def _constructing(reader: Reader, shape: Term, node: Term) -> Conclude:
+def _construct(reader: Reader, shape: Term, node: Term) -> str:
     body = reader.one(node, "construct")
     if body is None:
         raise ShapeFault("a sh:SPARQLRule has no sh:construct", shape, "rule", node)
-    query = read_query(prefixes(reader, node) + body.value, ("this",))
+    return prefixes(reader, node) + body.value
+
+
+def _constructing(text: str, shape: Term, node: Term) -> Conclude:
+    query = read_query(text, ("this",))
 
     def conclude(run: Run, focus: Term) -> Iterator[Triple]:
-        text, functions = query.bind({"this": focus})
+        bound, functions = query.bind({"this": focus})
         known = {**run.shapes.functions, **functions}
         try:
-            answer = run.data.store.query(text, use_default_graph_as_union=True, custom_functions=known or None)
+            answer = run.data.store.query(bound, use_default_graph_as_union=True, custom_functions=known or None)
         except SyntaxError as error:
             raise ShapeFault(f"the rule cannot run: {' '.join(str(error).split())}", shape, "rule", node) from error
         if not isinstance(answer, QueryTriples):

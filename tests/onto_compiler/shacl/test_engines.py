@@ -1,0 +1,188 @@
+"""Our engine and pySHACL give the same results where shapes refer to shapes, compare properties or follow paths."""
+
+import pyshacl
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
+from rdflib import Graph as RdflibGraph
+
+from onto_compiler.problems import OntoError
+from onto_compiler.shacl.compile import compile_graph
+from onto_compiler.shacl.graph import Graph
+from onto_compiler.shacl.validate import validate_graph
+from onto_compiler.shapes_pyshacl import read_report
+
+EX = "https://example.org/"
+PREFIXES = """
+@prefix ex: <https://example.org/> .
+@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
+@prefix sh: <http://www.w3.org/ns/shacl#> .
+@prefix xsd: <http://www.w3.org/2001/XMLSchema#> .
+"""
+SHAPES = (
+    PREFIXES
+    + """
+ex:Iri a sh:NodeShape ; sh:nodeKind sh:IRI .
+ex:Small a sh:NodeShape ; sh:maxInclusive 2 .
+ex:HasP a sh:NodeShape ; sh:property [ sh:path ex:p ; sh:minCount 1 ] .
+ex:Logic a sh:NodeShape ; sh:targetSubjectsOf ex:p ;
+    sh:or ( ex:HasP [ sh:hasValue ex:a ] ) ; sh:not [ sh:property [ sh:path ex:q ; sh:minCount 3 ] ] ;
+    sh:property [ sh:path ex:q ; sh:node ex:HasP ; sh:xone ( ex:Iri [ sh:datatype xsd:integer ] ex:Small ) ] ,
+        [ sh:path ex:p ; sh:and ( ex:Iri [ sh:class ex:Thing ] ) ] ,
+        [ sh:path ex:q ; sh:property [ sh:path ex:p ; sh:maxCount 1 ] ] .
+ex:Counted a sh:NodeShape ; sh:targetClass ex:Thing ;
+    sh:property [ sh:path ex:p ; sh:qualifiedValueShape ex:Iri ; sh:qualifiedMinCount 1 ; sh:qualifiedMaxCount 2 ;
+            sh:qualifiedValueShapesDisjoint true ] ,
+        [ sh:path ex:q ; sh:qualifiedValueShape ex:HasP ; sh:qualifiedMaxCount 1 ;
+            sh:qualifiedValueShapesDisjoint true ] .
+ex:Compared a sh:NodeShape ; sh:targetObjectsOf ex:q ;
+    sh:property [ sh:path ex:p ; sh:equals ex:r ; sh:disjoint ex:q ] ,
+        [ sh:path ex:m ; sh:lessThan ex:n ] , [ sh:path ex:n ; sh:lessThanOrEquals ex:m ] ,
+        [ sh:path ex:r ; sh:languageIn ( "en" "fr" ) ; sh:uniqueLang true ] .
+ex:Closed a sh:NodeShape ; sh:targetNode ex:c ; sh:closed true ; sh:ignoredProperties ( ex:r ) ;
+    sh:property [ sh:path ex:p ] .
+ex:Paths a sh:NodeShape ; sh:targetNode ex:a , ex:b ;
+    sh:property [ sh:path ( ex:p [ sh:inversePath ex:q ] ) ; sh:maxCount 1 ] ,
+        [ sh:path [ sh:zeroOrMorePath [ sh:alternativePath ( ex:p ex:q ) ] ] ; sh:maxCount 3 ] ,
+        [ sh:path [ sh:oneOrMorePath ex:p ] ; sh:nodeKind sh:IRI ] ,
+        [ sh:path [ sh:inversePath ex:p ] ; sh:minCount 1 ] ,
+        [ sh:path [ sh:zeroOrOnePath ex:q ] ; sh:class ex:Thing ] .
+"""
+)
+TYPE = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
+NODES = [*(NamedNode(EX + name) for name in "abc"), BlankNode("x")]
+PATHS = [NamedNode(EX + name) for name in "pqr"]
+ORDERED = [NamedNode(EX + name) for name in "mn"]
+NUMBERS = [Literal(n) for n in (1, 2, 3)]
+VALUES = [*NODES, *NUMBERS, Literal("x"), *(Literal(text, language=tag) for text, tag in (("a", "en"), ("b", "en-gb")))]
+STATEMENTS = st.one_of(
+    st.tuples(st.sampled_from(NODES), st.sampled_from(PATHS), st.sampled_from(VALUES)),
+    st.tuples(st.sampled_from(NODES), st.sampled_from(ORDERED), st.sampled_from(NUMBERS)),
+    st.tuples(st.sampled_from(NODES), st.just(TYPE), st.just(NamedNode(EX + "Thing"))),
+)
+
+
+def graph_of(text):
+    return Graph(parse(text.encode(), format=RdfFormat.TURTLE, base_iri=EX))
+
+
+def results(data, shapes):
+    return validate_graph(graph_of(PREFIXES + data), compile_graph(graph_of(PREFIXES + shapes)))
+
+
+def plain(term):
+    return "blank" if isinstance(term, BlankNode) else term
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(STATEMENTS, min_size=1, max_size=14))
+def test_both_engines_agree(statements):
+    triples = {Triple(*statement) for statement in statements}
+    mine = validate_graph(Graph(triples), compile_graph(graph_of(SHAPES)))
+    text = "\n".join(f"{t.subject} {t.predicate} {t.object} ." for t in triples)
+    options = {"inference": "none", "advanced": False, "meta_shacl": False, "allow_warnings": False}
+    shapes = RdflibGraph().parse(data=SHAPES, format="turtle")
+    _, report, _ = pyshacl.validate(RdflibGraph().parse(data=text, format="nt"), shacl_graph=shapes, **options)
+    left = {(plain(r.focus), plain(r.path), plain(r.value), r.component) for r in mine}
+    right = {(plain(row[0]), plain(row[1]), plain(row[2]), row[3]) for row in read_report(report)}
+    assert left == right, f"only ours {left - right}, only pySHACL's {right - left}"
+
+
+def test_a_shape_that_refers_to_itself_ends():
+    shapes = (
+        "ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:property [ sh:path ex:p ; sh:node ex:S ; sh:nodeKind sh:IRI ] ."
+    )
+    assert results("ex:a ex:p ex:b . ex:b ex:p ex:a .", shapes) == ()
+    found = results("ex:a ex:p ex:b . ex:b ex:p ex:a , 3 .", shapes)
+    assert [(str(r.value), r.component) for r in found] == [(f"<{EX}b>", "NodeConstraintComponent")]
+
+
+def test_a_deactivated_shape_accepts_everything():
+    shapes = """ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:node ex:T ; sh:property ex:P .
+    ex:T a sh:NodeShape ; sh:nodeKind sh:Literal ; sh:deactivated true .
+    ex:P sh:path ex:p ; sh:minCount 1 ; sh:deactivated true ."""
+    assert results("", shapes) == ()
+
+
+def test_severity_and_messages_come_from_the_shape():
+    shapes = """ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:severity ex:Bad ;
+        sh:message "Non"@fr , "no {$value}"@en ; sh:nodeKind sh:Literal ."""
+    (found,) = results("", shapes)
+    assert (found.severity, found.message) == (EX + "Bad", "no https://example.org/a")
+    assert found.expected == "must be of the node kind `sh:Literal`"
+
+
+@pytest.mark.parametrize(
+    ("pattern", "flags", "value", "fits"),
+    [
+        ("^a$", "", "a", True),
+        ("^a$", "", "a\\n", False),
+        ("^a$", "m", "b\\na", True),
+        ("A.B", "i", "a\\nb", False),
+        ("A.B", "is", "a\\nb", True),
+        ("a.b", "q", "axb", False),
+        ("a b", "x", "ab", True),
+        ("^\\\\p{Lu}+$", "", "ÄÖ", True),
+        ("^\\\\p{Lu}+$", "", "äö", False),
+        ("[$]$", "", "1$", True),
+    ],
+)
+def test_patterns_are_those_of_xpath(pattern, flags, value, fits):
+    shapes = f'ex:S a sh:NodeShape ; sh:targetNode "{value}" ; sh:pattern "{pattern}" ; sh:flags "{flags}" .'
+    assert (results("", shapes) == ()) == fits
+
+
+@pytest.mark.parametrize(
+    ("shape", "said"),
+    [
+        ("sh:or ex:a", "does not end"),
+        ('sh:node "x"', "no shape"),
+        ("sh:property [ sh:minCount 1 ]", "no sh:path"),
+        ("sh:qualifiedValueShape [] ; sh:qualifiedMinCount true", "whole number"),
+        ('sh:sparql [ sh:select "SELECT $this WHERE { $this ?p ?o MINUS { $this ?p 1 } }" ]', "MINUS"),
+        ('sh:sparql [ sh:select "SELECT $this WHERE { BIND (1 AS $this) }" ]', "cannot be assigned"),
+        ('sh:sparql [ sh:select "SELECT $this WHERE { $this $PATH 1 }" ]', "without a path"),
+        ('sh:target [ a sh:SPARQLTarget ; sh:select "SELECT" ]', "target cannot run"),
+        ("sh:target [ a sh:SPARQLTarget ]", "no sh:select"),
+        ("sh:expression [ ex:f ( sh:this ) ]", "not declared"),
+        ("sh:expression [ ]", "none that is known"),
+        ('sh:pattern "a" ; sh:flags "z"', "no flags"),
+    ],
+)
+def test_a_shape_that_cannot_run_is_a_problem(shape, said):
+    with pytest.raises(OntoError, match=said) as raised:
+        results("ex:a ex:p 1 .", f"ex:S a sh:NodeShape ; sh:targetNode ex:a ; {shape} .")
+    assert [problem.code for problem in raised.value.problems] == ["SHP002"]
+
+
+def test_faults_are_collected_and_the_rest_is_validated():
+    shapes = """ex:A a sh:NodeShape ; sh:targetNode ex:a ; sh:node ex:Broken .
+    ex:Broken a sh:NodeShape ; sh:minLength "long" .
+    ex:B a sh:NodeShape ; sh:targetNode ex:a ; sh:nodeKind sh:Literal ."""
+    faults = []
+    compiled = compile_graph(graph_of(PREFIXES + shapes), faults)
+    assert [fault.shape.value for fault in faults] == [EX + "Broken"]
+    assert [r.shape.value for r in validate_graph(graph_of(""), compiled, faults)] == [EX + "B"]
+
+
+def test_a_class_that_is_a_shape_targets_its_instances():
+    shapes = "ex:C a sh:NodeShape , <http://www.w3.org/2002/07/owl#Class> ; sh:nodeKind sh:Literal ."
+    assert [r.focus.value for r in results("ex:a a ex:D . ex:D rdfs:subClassOf ex:C .", shapes)] == [EX + "a"]
+
+
+def test_expressions_filter_and_call_functions():
+    shapes = """ex:twice a sh:SPARQLFunction ; sh:parameter [ sh:path ex:op ] ;
+        sh:select "SELECT ($op * 2 AS ?r) WHERE {}" .
+    ex:same a sh:SPARQLFunction ; sh:parameter [ sh:path ex:x ; sh:order 2 ] , [ sh:path ex:y ; sh:order 1 ] ;
+        sh:ask "ASK { FILTER (?x = ?y + 1) }" .
+    ex:S a sh:NodeShape ; sh:targetSubjectsOf ex:p ;
+        sh:expression [ ex:same ( [ ex:twice ( [ sh:path ex:p ] ) ] [ sh:path ex:q ] ) ] ."""
+    found = results("ex:a ex:p 2 ; ex:q 5 . ex:b ex:p 2 ; ex:q 4 .", shapes)
+    assert [(r.focus.value, r.component) for r in found] == [(EX + "b", "ExpressionConstraintComponent")]
+
+
+def test_a_query_target_selects_the_nodes():
+    shapes = """ex:S a sh:NodeShape ; sh:nodeKind sh:Literal ;
+        sh:target [ a sh:SPARQLTarget ; sh:select "SELECT ?this WHERE { ?this <https://example.org/p> 1 }" ] ."""
+    assert [r.focus.value for r in results("ex:a ex:p 1 . ex:b ex:p 2 .", shapes)] == [EX + "a"]

@@ -1,0 +1,28 @@
+"""What the language server answers, before it is put into the protocol's words. Lines and columns count from 1."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from onto_compiler.problems import Span
+
+__all__ = ["Offer", "Told"]
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A completion: ``text`` takes the place of what stands between ``start`` and the cursor (offsets)."""
+
+    text: str
+    start: int
+    detail: str = ""
+    about: str = ""
+    kind: str = "name"  # "class" | "property" | "predicate" | "name" | "prefix"
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What is known of the word at ``span``, in Markdown."""
+
+    markdown: str
+    span: Span

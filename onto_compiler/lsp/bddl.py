@@ -1,0 +1,144 @@
+"""Completion, hover and definition in a BDDL buffer, which may be broken at the cursor.
+
+Declarations are read from the words of the text, so that one open parenthesis does not hide every name.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+from onto_compiler.lsp.answers import Offer, Told
+from onto_compiler.problems import Span
+from onto_compiler.schema import Schema, local_name
+from onto_compiler.turtle.tokens import Source
+
+__all__ = ["Declared", "complete", "declarations", "defined_at", "hover"]
+
+_WORD = re.compile(r"[\w?.-]+")
+_BEGUN = re.compile(r"[\w?.-]*$")
+_SECTION = re.compile(r"\(\s*:(\w+)", re.IGNORECASE)
+_GROUP = re.compile(r"((?:\w[\w.-]*\s+)+)-\s+(\w[\w.-]*)")
+_REGION = re.compile(r"\(\s*([\w.-]+)\s*\(\s*:target\s+([\w.-]+)", re.IGNORECASE)
+_COMMENT = re.compile(r";[^\n]*")
+_LOGIC = ("and", "or", "not", "imply", "forall", "exists", "forn", "forpairs", "fornpairs")
+_STATEMENTS = frozenset(("init", "goal"))
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """A name that atoms may use: ``kind`` is object, fixture or region, ``category`` its category or its target."""
+
+    name: str
+    kind: str
+    category: str
+    start: int
+    end: int
+
+
+@lru_cache(maxsize=8)
+def declarations(text: str) -> Mapping[str, Declared]:
+    """The objects, fixtures and sites of regions that ``text`` declares, by name in lower case."""
+    bare = _COMMENT.sub(lambda match: " " * len(match[0]), text)
+    found = {declared.name.casefold(): declared for declared in _instances(bare)}
+    for match in _REGION.finditer(bare):
+        site = f"{match[2]}_{match[1]}"
+        found[site.casefold()] = Declared(site, "region", match[2], match.start(1), match.end(1))
+    return found
+
+
+def complete(text: str, offset: int, schema: Schema) -> tuple[Offer, ...]:
+    """Predicates behind a parenthesis in ``:init`` or ``:goal``, names in atoms, categories behind a dash."""
+    begun = _BEGUN.search(text, max(0, text.rfind("\n", 0, offset)), offset)
+    start = begun.start() if begun else offset
+    word, before = text[start:offset].casefold(), text[:start].rstrip(" \t\n")
+    section = _section(text, start)
+    if ";" in text[text.rfind("\n", 0, offset) + 1 : offset] or section is None:
+        return ()
+    if section in {"objects", "fixtures"}:
+        if not before.endswith("-"):
+            return ()
+        names = {name: Offer(name, start, local_name(cls), kind="class") for name, cls in schema.categories.items()}
+    elif section in _STATEMENTS and before.endswith("("):
+        names = {name: Offer(name, start, what, about, "predicate") for name, what, about in _predicates(schema)}
+        if section == "goal":
+            names |= {name: Offer(name, start, "connective") for name in _LOGIC}
+    else:
+        declared = declarations(text).values()
+        names = {d.name: Offer(d.name, start, f"{d.kind} ({d.category})") for d in declared}
+    return tuple(offer for name, offer in sorted(names.items()) if name.casefold().startswith(word))
+
+
+def hover(text: str, offset: int, schema: Schema) -> Told | None:
+    """What the task declares, or the ontology says, of the word at ``offset``."""
+    word = _word(text, offset)
+    if word is None:
+        return None
+    name = word[0].casefold()
+    span = Source("", text).span(word.start(), word.end())
+    declared = declarations(text).get(name)
+    if declared is not None:
+        cls = _class(declared, schema)
+        what = f", of class {local_name(cls)}" if cls else ""
+        of = "region of" if declared.kind == "region" else f"{declared.kind} of category"
+        return Told(f"**{declared.name}**: {of} `{declared.category}`{what}", span)
+    told = [f"`{what}`\n\n{about}" for known, what, about in _predicates(schema) if known.casefold() == name]
+    return Told(f"**{word[0]}** (predicate)\n\n" + "\n\n".join(told), span) if told else None
+
+
+def defined_at(text: str, file: str, offset: int) -> Span | None:
+    """Where the name at ``offset`` is declared."""
+    word = _word(text, offset)
+    declared = declarations(text).get(word[0].casefold()) if word else None
+    return Source(file, text).span(declared.start, declared.end) if declared else None
+
+
+def _instances(text: str) -> Iterator[Declared]:
+    for opening in _SECTION.finditer(text):
+        kind = {"objects": "object", "fixtures": "fixture"}.get(opening[1].casefold())
+        if kind is None:
+            continue
+        end = text.find(")", opening.end())
+        body_end = end if end >= 0 else len(text)
+        for group in _GROUP.finditer(text, opening.end(), body_end):
+            for name in _WORD.finditer(text, group.start(1), group.end(1)):
+                yield Declared(name[0], kind, group[2], name.start(), name.end())
+
+
+def _section(text: str, offset: int) -> str | None:
+    """The section that ``offset`` lies in: the last one that was opened before it."""
+    found = None
+    for match in _SECTION.finditer(text, 0, offset):
+        if match[1].casefold() in {"objects", "fixtures", "regions", "init", "goal", "obj_of_interest", "language"}:
+            found = match[1].casefold()
+    return found
+
+
+def _predicates(schema: Schema) -> Iterator[tuple[str, str, str]]:
+    """Native predicates through their bindings, then the typed ones: name, signature, definition."""
+    natives: dict[str, list[str]] = {}
+    for binding in schema.bindings:
+        arguments = ", ".join(map(local_name, binding.arguments))
+        lifted = (
+            schema.predicates[binding.lifts].name if binding.lifts in schema.predicates else local_name(binding.lifts)
+        )
+        natives.setdefault(binding.native, []).append(f"{binding.native}({arguments}) becomes {lifted}")
+    for native, ways in natives.items():
+        yield native, "; ".join(dict.fromkeys(ways)), ""
+    for signature in schema.predicates.values():
+        if signature.name.casefold() not in {native.casefold() for native in natives}:
+            arguments = ", ".join(map(local_name, signature.parameters))
+            yield signature.name, f"{signature.name}({arguments})", signature.definition
+
+
+def _class(declared: Declared, schema: Schema) -> str | None:
+    if declared.kind == "region":
+        return None
+    return schema.categories.get(declared.category) or schema.defaults.get(declared.kind)
+
+
+def _word(text: str, offset: int) -> re.Match[str] | None:
+    start = max(text.rfind("\n", 0, offset) + 1, 0)
+    return next((m for m in _WORD.finditer(text, start) if m.start() <= offset <= m.end()), None)

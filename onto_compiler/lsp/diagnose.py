@@ -1,0 +1,75 @@
+"""Problems of a buffer: those that a keystroke is answered with, and those that wait for a pause.
+
+The quick answer is the syntax, the prefixes and every check that is a query; the whole of ``onto check`` follows once
+the typing stops. Until then, what only the whole check finds stays where the text around it is unchanged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from pyoxigraph import Store
+
+from onto_compiler.check.locate import locate
+from onto_compiler.check.model import load_model
+from onto_compiler.check.prefixes import check_prefixes
+from onto_compiler.check.queries import query_checks, run_query
+from onto_compiler.check.run import check
+from onto_compiler.problems import OntoError, Problem
+from onto_compiler.schema import Schema
+from onto_compiler.sources import read_into
+
+__all__ = ["moved", "quick_turtle", "task_problems", "whole_turtle"]
+
+
+def quick_turtle(path: Path, text: str) -> tuple[Problem, ...]:
+    """Syntax, prefixes and query checks of ``text`` as the content of ``path``."""
+    if not path.exists():  # a buffer that was never saved has no place among other files
+        return tuple(read_into(Store(), path, text))
+    try:
+        model = load_model([path], {path: text})
+    except OntoError as error:
+        return _own(path, error.problems)
+    findings = [finding for one in query_checks() for finding in run_query(model, one)]
+    problems = {*check_prefixes(model), *(locate(model, findings) if findings else ())}
+    return _own(path, sorted(problems))
+
+
+def whole_turtle(path: Path, text: str) -> tuple[Problem, ...]:
+    """Everything that ``onto check`` says of ``text`` as the content of ``path``."""
+    return _own(path, check([path], {path: text}).problems) if path.exists() else quick_turtle(path, text)
+
+
+def task_problems(path: Path, text: str, schema: Schema) -> tuple[Problem, ...]:
+    """Everything that parsing and lifting a task file says."""
+    from onto_compiler.bddl import lift, parse  # noqa: PLC0415 - Lark is heavy, and Turtle needs none
+
+    try:
+        _, warnings = lift(parse(text, str(path)), schema, path.stem)
+    except OntoError as error:
+        return _own(path, error.problems)
+    return _own(path, warnings)
+
+
+def moved(problems: Iterable[Problem], before: str, after: str) -> tuple[Problem, ...]:
+    """``problems`` of ``before`` as places of ``after``; those on lines that changed are left out."""
+    old, new = before.splitlines(), after.splitlines()
+    top = 0
+    while top < min(len(old), len(new)) and old[top] == new[top]:
+        top += 1
+    bottom = 0
+    while bottom < min(len(old), len(new)) - top and old[-1 - bottom] == new[-1 - bottom]:
+        bottom += 1
+    kept = []
+    for problem in problems:
+        if problem.line <= top:
+            kept.append(problem)
+        elif problem.line > len(old) - bottom:
+            kept.append(replace(problem, line=problem.line + len(new) - len(old)))
+    return tuple(kept)
+
+
+def _own(path: Path, problems: Iterable[Problem]) -> tuple[Problem, ...]:
+    return tuple(problem for problem in problems if problem.file == str(path))

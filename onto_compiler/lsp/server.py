@@ -1,0 +1,217 @@
+"""The protocol's side of the language server: documents, positions in UTF-16, and when diagnostics are sent."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+
+from lsprotocol import types
+from pygls import uris
+from pygls.lsp.server import LanguageServer
+from pygls.workspace import ServerTextPosition, ServerTextRange, TextDocument
+
+from onto_compiler.check.model import load_model
+from onto_compiler.compile_schema import compile_schema
+from onto_compiler.lsp import bddl, turtle
+from onto_compiler.lsp.answers import Offer
+from onto_compiler.lsp.diagnose import moved, quick_turtle, task_problems, whole_turtle
+from onto_compiler.lsp.vocabulary import Term, read_vocabulary
+from onto_compiler.problems import OntoError, Problem, Span
+from onto_compiler.schema import Schema
+from onto_compiler.turtle.tokens import Source
+
+__all__ = ["make_server"]
+
+PAUSE = 0.3  # s without a keystroke before the whole check runs
+_WORD = re.compile(r"[^\s()\[\],;\"]+")
+_KINDS = {
+    "class": types.CompletionItemKind.Class,
+    "property": types.CompletionItemKind.Property,
+    "predicate": types.CompletionItemKind.Function,
+    "prefix": types.CompletionItemKind.Module,
+    "name": types.CompletionItemKind.Variable,
+}
+
+
+class OntoServer(LanguageServer):
+    """What is kept between requests: the vocabulary, the schema, and what the last whole check found."""
+
+    def __init__(self, extra: tuple[Path, ...]) -> None:
+        super().__init__("onto", version("onto-evwm"))
+        self.extra = extra
+        self.vocabularies: dict[str, Mapping[str, Term]] = {}
+        self.schema: Schema | None = None
+        self.settled: dict[str, tuple[str, tuple[Problem, ...]]] = {}
+        self.waiting: dict[str, asyncio.Task[None]] = {}
+
+    def compiled(self) -> Schema:
+        """The schema of the shipped ontology with the files of ``--ontology`` on top."""
+        if self.schema is None:
+            self.schema = compile_schema(load_model(self.extra).store)
+        return self.schema
+
+    def vocabulary(self, document: TextDocument) -> Mapping[str, Term]:
+        """Every term in sight of a Turtle document; while it is broken, what was in sight before."""
+        path, text = _path(document), document.source
+        given = [*self.extra, *([path] if path.exists() else [])]
+        try:
+            self.vocabularies[document.uri] = read_vocabulary(load_model(given, {path: text}).store)
+        except OntoError:
+            if document.uri not in self.vocabularies:
+                self.vocabularies[document.uri] = read_vocabulary(load_model().store)
+        return self.vocabularies[document.uri]
+
+
+def make_server(extra: tuple[Path, ...] = ()) -> OntoServer:
+    """A server that is ready to be started; ``extra`` is a person's own Turtle, for task files."""
+    server = OntoServer(extra)
+    server.feature(types.TEXT_DOCUMENT_DID_OPEN)(_opened)
+    server.feature(types.TEXT_DOCUMENT_DID_CHANGE)(_typed)
+    server.feature(types.TEXT_DOCUMENT_DID_CLOSE)(_closed)
+    server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=[":", "("]))(_complete)
+    server.feature(types.TEXT_DOCUMENT_HOVER)(_hover)
+    server.feature(types.TEXT_DOCUMENT_DEFINITION)(_definition)
+    return server
+
+
+def _opened(ls: OntoServer, params: types.DidOpenTextDocumentParams) -> None:
+    _changed(ls, params.text_document.uri)
+
+
+def _typed(ls: OntoServer, params: types.DidChangeTextDocumentParams) -> None:
+    _changed(ls, params.text_document.uri)
+
+
+def _closed(ls: OntoServer, params: types.DidCloseTextDocumentParams) -> None:
+    uri = params.text_document.uri
+    if uri in ls.waiting:
+        ls.waiting.pop(uri).cancel()
+    ls.settled.pop(uri, None)
+    ls.vocabularies.pop(uri, None)
+    ls.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri=uri, diagnostics=[]))
+
+
+def _complete(ls: OntoServer, params: types.CompletionParams) -> types.CompletionList:
+    document = ls.workspace.get_text_document(params.text_document.uri)
+    offset = document.offset_at_position(params.position)
+    if _is_task(document):
+        offers = bddl.complete(document.source, offset, ls.compiled())
+    else:
+        offers = turtle.complete(document.source, offset, ls.vocabulary(document))
+    items = [_item(document, offer, params.position, rank) for rank, offer in enumerate(offers)]
+    return types.CompletionList(is_incomplete=False, items=items)
+
+
+def _hover(ls: OntoServer, params: types.HoverParams) -> types.Hover | None:
+    document = ls.workspace.get_text_document(params.text_document.uri)
+    offset = document.offset_at_position(params.position)
+    if _is_task(document):
+        told = bddl.hover(document.source, offset, ls.compiled())
+    else:
+        told = turtle.hover(document.source, offset, ls.vocabulary(document))
+    if told is None:
+        return None
+    content = types.MarkupContent(types.MarkupKind.Markdown, told.markdown)
+    return types.Hover(content, _range(document, told.span))
+
+
+def _definition(ls: OntoServer, params: types.DefinitionParams) -> types.Location | None:
+    document = ls.workspace.get_text_document(params.text_document.uri)
+    offset, path = document.offset_at_position(params.position), _path(document)
+    if _is_task(document):
+        span = bddl.defined_at(document.source, str(path), offset)
+    else:
+        span = turtle.defined_at(document.source, path, offset, ls.vocabulary(document))
+    if span is None:
+        return None
+    uri = document.uri if span.file == str(path) else uris.from_fs_path(span.file)
+    target = document if uri == document.uri else ls.workspace.get_text_document(uri or "")
+    return types.Location(uri or document.uri, _range(target, span))
+
+
+def _changed(server: OntoServer, uri: str) -> None:
+    """Answer at once, and have the whole check run once the typing stops."""
+    document = server.workspace.get_text_document(uri)
+    path, text = _path(document), document.source
+    if _is_task(document):
+        _publish(server, document, task_problems(path, text, server.compiled()))
+        return
+    quick = quick_turtle(path, text)
+    before, late = server.settled.get(uri, ("", ()))
+    _publish(server, document, (*quick, *(p for p in moved(late, before, text) if p not in quick)))
+    if uri in server.waiting:
+        server.waiting.pop(uri).cancel()
+    server.waiting[uri] = asyncio.get_running_loop().create_task(_settle(server, uri, path, text))
+
+
+async def _settle(server: OntoServer, uri: str, path: Path, text: str) -> None:
+    await asyncio.sleep(PAUSE)
+    found = await asyncio.to_thread(whole_turtle, path, text)
+    document = server.workspace.get_text_document(uri)
+    if document.source != text or uri not in server.waiting:
+        return
+    quick = await asyncio.to_thread(quick_turtle, path, text)
+    server.settled[uri] = (text, tuple(problem for problem in found if problem not in quick))
+    _publish(server, document, found)
+
+
+def _publish(server: OntoServer, document: TextDocument, problems: tuple[Problem, ...]) -> None:
+    diagnostics = [_diagnostic(document, problem) for problem in problems]
+    server.text_document_publish_diagnostics(
+        types.PublishDiagnosticsParams(uri=document.uri, version=document.version, diagnostics=diagnostics)
+    )
+
+
+def _diagnostic(document: TextDocument, problem: Problem) -> types.Diagnostic:
+    severity = types.DiagnosticSeverity.Error if problem.severity == "error" else types.DiagnosticSeverity.Warning
+    message = f"{problem.message}\n{problem.hint}" if problem.hint else problem.message
+    return types.Diagnostic(
+        range=_range(document, _word_at(document, problem)),
+        message=message,
+        severity=severity,
+        code=problem.code,
+        source="onto",
+    )
+
+
+def _word_at(document: TextDocument, problem: Problem) -> Span:
+    """From the place of the problem to the end of the word there, so that there is something to underline."""
+    lines = document.lines
+    row, column = max(problem.line, 1), max(problem.column, 1)
+    text = lines[row - 1] if row <= len(lines) else ""
+    match = _WORD.match(text, column - 1)
+    end = match.end() if match else min(column, len(text.rstrip("\r\n")))
+    return Span(problem.file, row, column, row, max(end + 1, column))
+
+
+def _range(document: TextDocument, span: Span) -> types.Range:
+    """A span in the units of the client, which usually counts UTF-16."""
+    start = ServerTextPosition(max(span.line - 1, 0), max(span.column - 1, 0))
+    end = ServerTextPosition(max(span.end_line - 1, 0), max(span.end_column - 1, 0))
+    return document.range_to_client_units(ServerTextRange(start, end))
+
+
+def _item(document: TextDocument, offer: Offer, cursor: types.Position, rank: int) -> types.CompletionItem:
+    source = Source("", document.source)
+    begin = source.span(offer.start, offer.start)
+    span = types.Range(_range(document, begin).start, cursor)
+    return types.CompletionItem(
+        label=offer.text,
+        kind=_KINDS[offer.kind],
+        detail=offer.detail or None,
+        documentation=offer.about or None,
+        sort_text=f"{rank:05}",
+        filter_text=offer.text,
+        text_edit=types.TextEdit(span, offer.text),
+    )
+
+
+def _is_task(document: TextDocument) -> bool:
+    return document.language_id == "bddl" or document.uri.endswith(".bddl")
+
+
+def _path(document: TextDocument) -> Path:
+    return Path(document.path).resolve() if document.path else Path("/untitled.ttl")

@@ -74,10 +74,16 @@ class Client:
 
     def type(self, path: Path, line: int, character: int, text: str, erase: int = 0) -> Sequence[Mapping[str, Any]]:
         """Insert ``text`` at a place (from 0, in UTF-16) in place of ``erase`` units; wait for the first answer."""
+        return self.replace(path, (line, character), (line, character + erase), text)
+
+    def replace(
+        self, path: Path, start: tuple[int, int], end: tuple[int, int], text: str
+    ) -> Sequence[Mapping[str, Any]]:
+        """Put ``text`` in the place of what stands from ``start`` to ``end``; wait for the first answer."""
         uri = path.as_uri()
         self._versions[uri] += 1
-        end = {"line": line, "character": character + erase}
-        change = {"range": {"start": {"line": line, "character": character}, "end": end}, "text": text}
+        first, last = ({"line": line, "character": character} for line, character in (start, end))
+        change = {"range": {"start": first, "end": last}, "text": text}
         document = {"uri": uri, "version": self._versions[uri]}
         self.tell("textDocument/didChange", {"textDocument": document, "contentChanges": [change]})
         return self.diagnostics(uri)

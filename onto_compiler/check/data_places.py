@@ -54,6 +54,13 @@ class _Spot:
     located: Located
 
 
+def _map(document: Document) -> SourceMap | None:
+    try:
+        return read_map(document.path) if document.has_places else None
+    except RecursionError:  # brackets nested deeper than the walker goes
+        return None
+
+
 @dataclass(slots=True)
 class _Places:
     """Documents read again with their places; ``whole`` says whether the walker read what Oxigraph had read."""
@@ -69,10 +76,11 @@ class _Places:
     def __post_init__(self) -> None:
         statements: list[Quad | Triple] = []
         for document in self.documents:
-            if not document.has_places:
+            source_map = _map(document)
+            if source_map is None:
                 statements += document.statements
                 continue
-            self.maps[document.path] = source_map = read_map(document.path)
+            self.maps[document.path] = source_map
             for one in source_map.triples:
                 statements.append(Triple(one.subject, one.predicate, one.object))
                 spot = _Spot(document.path, one)

@@ -59,13 +59,21 @@ class Compiler:
             if one in self.faulty:
                 raise self.faulty[one]
             if one not in self.known:
-                try:
-                    self.known[one] = self._compile(one)
-                except ShapeFault as fault:
-                    self.faulty[one] = self.faulty[node] = fault
-                    raise
+                self.known[one] = self._sound(one, node)
             todo += self._referred[one]
         return self.known[node]
+
+    def _sound(self, node: Term, root: Term) -> Shape:
+        """The shape ``node``; where it cannot run, ``root``, which refers to it, cannot either."""
+        try:
+            return self._compile(node)
+        except ShapeFault as fault:
+            self.faulty[node] = self.faulty[root] = fault
+            raise
+        except RecursionError:
+            endless = ShapeFault("the shape is nested without end", node)
+            self.faulty[node] = self.faulty[root] = endless
+            raise endless from None
 
     def _compile(self, node: Term) -> Shape:
         reader = Reader(self.reader.graph)

@@ -140,8 +140,8 @@ def _matcher(own: Parameter, pattern: str, flags: str) -> Callable[[str], bool]:
         combined |= _FLAGS[flag]
     try:
         expression = re.compile(pattern if "m" in flags else _strict_end(pattern), combined)
-    except re.error as error:
-        raise own.fault(f"the pattern is no regular expression: {error.msg}") from error
+    except (re.error, OverflowError, RecursionError) as error:
+        raise own.fault(f"the pattern is no regular expression: {error}") from error
     return lambda text: expression.search(text) is not None
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, cast
 
-from pyoxigraph import Literal, NamedNode, QueryBoolean, QuerySolutions, Store
+from pyoxigraph import Literal, NamedNode, QueryBoolean, QueryTriples, Store
 
 from onto_compiler.rdf import SH, boolean
 from onto_compiler.shacl.graph import Term
+from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.prebinding import Query, read_query
 from onto_compiler.shacl.reader import Reader
 from onto_compiler.shacl.sparql import prefixes
@@ -34,7 +35,7 @@ def declared_functions(reader: Reader) -> Functions:
         if not isinstance(one, NamedNode) or body is None:
             continue
         names = [name for _, name in sorted(_parameters(reader, one))]
-        found[one] = _function(found, read_query(prefixes(reader, one) + body.value, names), names)
+        found[one] = _function(one, found, read_query(prefixes(reader, one) + body.value, names), names)
     return found
 
 
@@ -48,14 +49,20 @@ def _parameters(reader: Reader, function: Term) -> list[tuple[tuple[float, str],
     return found
 
 
-def _function(known: Functions, query: Query, names: Sequence[str]) -> Function:
+def _function(name: NamedNode, known: Functions, query: Query, names: Sequence[str]) -> Function:
     def call(*arguments: Term) -> Term | None:
         text, extra = query.bind(dict(zip(names, arguments, strict=False)))
         everything: Mapping[NamedNode, Function] = {**known, **extra}
-        answer = known.store.query(text, use_default_graph_as_union=True, custom_functions=dict(everything))
+        try:
+            answer = known.store.query(text, use_default_graph_as_union=True, custom_functions=dict(everything))
+        except SyntaxError as error:
+            said = " ".join(str(error).partition(", [")[0].split())
+            raise ShapeFault(f"the function {name} cannot run: {said}", name) from error
+        if isinstance(answer, QueryTriples):
+            raise ShapeFault(f"the function {name} is neither a SELECT nor an ASK query", name)
         if isinstance(answer, QueryBoolean):
             return boolean(bool(answer))
-        for row in cast("QuerySolutions", answer):
+        for row in answer:
             return cast("Term | None", row[0])
         return None
 

@@ -91,11 +91,19 @@ def read_rule_base(graph: Graph) -> RuleBase:
     for shape in sorted(graph.holders(_RULE), key=str):
         if compiler.reader.is_true(shape, "deactivated"):
             continue
-        targets = tuple(compiler.targets(shape))
-        for node in compiler.reader.values(shape, "rule"):
-            rules += [] if compiler.reader.is_true(node, "deactivated") else [_rule(compiler, shape, node, targets)]
+        try:
+            rules += list(_rules(compiler, shape))
+        except RecursionError:
+            raise ShapeFault("a rule of the shape is nested without end", shape) from None
     rules.sort(key=lambda rule: (rule.order, str(rule.iri)))
     return RuleBase(tuple(rules), Shapes((), compiler.known, graph, declared_functions(compiler.reader)))
+
+
+def _rules(compiler: Compiler, shape: Term) -> Iterator[GraphRule]:
+    targets = tuple(compiler.targets(shape))
+    for node in compiler.reader.values(shape, "rule"):
+        if not compiler.reader.is_true(node, "deactivated"):
+            yield _rule(compiler, shape, node, targets)
 
 
 def _rule(compiler: Compiler, shape: Term, node: Term, targets: tuple[Target, ...]) -> GraphRule:

@@ -176,4 +176,9 @@ def validate_graph(data: Graph, shapes: Shapes, faults: list[ShapeFault] | None 
             if faults is None:
                 raise
             faults.append(fault)
+        except RecursionError:
+            endless = ShapeFault("the shape follows a chain of nodes that is too long", shape.iri)
+            if faults is None:
+                raise endless from None
+            faults.append(endless)
     return tuple(results)

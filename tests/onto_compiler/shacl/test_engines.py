@@ -1,5 +1,7 @@
 """Our engine and pySHACL give the same results where shapes refer to shapes, compare properties or follow paths."""
 
+import random
+
 import pyshacl
 import pytest
 from hypothesis import given, settings
@@ -7,6 +9,7 @@ from hypothesis import strategies as st
 from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
 from rdflib import Graph as RdflibGraph
 
+from benchmarks.shacl_cases import corpus
 from onto_compiler.problems import OntoError
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
@@ -16,6 +19,7 @@ from onto_compiler.shapes_pyshacl import read_report
 EX = "https://example.org/"
 PREFIXES = """
 @prefix ex: <https://example.org/> .
+@prefix rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#> .
 @prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
 @prefix sh: <http://www.w3.org/ns/shacl#> .
 @prefix xsd: <http://www.w3.org/2001/XMLSchema#> .
@@ -186,3 +190,47 @@ def test_a_query_target_selects_the_nodes():
     shapes = """ex:S a sh:NodeShape ; sh:nodeKind sh:Literal ;
         sh:target [ a sh:SPARQLTarget ; sh:select "SELECT ?this WHERE { ?this <https://example.org/p> 1 }" ] ."""
     assert [r.focus.value for r in results("ex:a ex:p 1 . ex:b ex:p 2 .", shapes)] == [EX + "a"]
+
+
+@pytest.mark.parametrize(
+    "shapes",
+    [
+        "sh:expression _:e . _:e sh:union ( _:e )",
+        "sh:path _:e . _:e sh:inversePath _:e",
+        "sh:in _:l . _:l rdf:first 1 ; rdf:rest _:l",
+        'sh:expression [ ex:f ( sh:this ) ] . ex:f a sh:SPARQLFunction ; sh:select "SELECT"',
+        'sh:expression [ ex:f ( sh:this ) ] . ex:f a sh:SPARQLFunction ; sh:select "CONSTRUCT { } WHERE { }"',
+    ],
+)
+def test_what_has_no_end_or_no_sense_is_a_problem(shapes):
+    with pytest.raises(OntoError, match="SHP002"):
+        results("", f"ex:S a sh:NodeShape ; sh:targetNode ex:a ; {shapes} .")
+
+
+def test_a_chain_that_is_too_long_is_a_problem():
+    chain = " ".join(f"ex:n{n} ex:p ex:n{n + 1} ." for n in range(5000))
+    with pytest.raises(OntoError, match="too long"):
+        results(chain, "ex:S a sh:NodeShape ; sh:targetNode ex:n0 ; sh:property [ sh:path ex:p ; sh:node ex:S ] .")
+
+
+def test_damaged_shapes_are_refused_or_run():
+    """No mutation of the W3C's shapes ends in anything but results or problems."""
+    rng = random.Random(7)  # noqa: S311 - damage, not cryptography
+    paths = sorted(corpus().rglob("*.ttl"))
+    assert len(paths) == 272
+    files = [list(Graph(parse(path=path, format=RdfFormat.TURTLE, base_iri=EX))) for path in paths]
+    predicates = sorted({triple.predicate for file in files for triple in file}, key=str)
+    refused = 0
+    for _ in range(1500):
+        triples = list(rng.choice(files))
+        for _ in range(rng.randint(1, 4)):
+            one, other = rng.choice(triples), rng.choice(triples)
+            triples.append(Triple(one.subject, rng.choice([one.predicate, *predicates]), other.object))
+            triples.remove(one)
+        damaged = Graph(triples)
+        try:
+            validate_graph(damaged, compile_graph(damaged))
+        except OntoError as error:
+            assert {problem.code for problem in error.problems} == {"SHP002"}  # noqa: PT017 - one outcome of two
+            refused += 1
+    assert 20 < refused < 1480

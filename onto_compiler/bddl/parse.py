@@ -16,7 +16,7 @@ from onto_compiler.bddl.expected import syntax_problem
 from onto_compiler.bddl.groups import MAX_DEPTH, Group, groups, too_deep, unbalanced
 from onto_compiler.problems import OntoError, Problem, Span, near
 
-__all__ = ["parse", "parse_domain", "parse_file"]
+__all__ = ["parse", "parse_domain", "parse_file", "read_text"]
 
 
 def parse_file(path: str | Path) -> TaskSpec:
@@ -26,10 +26,11 @@ def parse_file(path: str | Path) -> TaskSpec:
         OntoError: the file cannot be read, or is not a well-formed task.
 
     """
-    return parse(_text_of(Path(path)), str(path))
+    return parse(read_text(Path(path)), str(path))
 
 
-def _text_of(path: Path) -> str:
+def read_text(path: Path) -> str:
+    """The text of the file at ``path``; raises BDDL004 where it cannot be read or is not UTF-8."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -70,7 +71,7 @@ def parse_domain(path: str | Path) -> Domain:
         OntoError: the file cannot be read, or is not a well-formed domain.
 
     """
-    text = _sound(_text_of(Path(path)), str(path))
+    text = _sound(read_text(Path(path)), str(path))
     tree, problems, _ = _read(text, str(path), "domain_file")
     if tree is not None and not problems:
         domain, found = build_domain(tree, str(path))

@@ -1,0 +1,82 @@
+"""``onto fmt``: task files in one layout."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from onto_compiler.command import CLEAN, FINDINGS, MISUSE, Command
+from onto_compiler.problems import OntoError, render
+
+__all__ = ["FMT"]
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("paths", nargs="+", type=Path, metavar="PATH", help="BDDL files, or folders of them")
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 where a file would change")
+    parser.add_argument("--diff", action="store_true", help="write nothing; print what would change")
+
+
+def _run(options: argparse.Namespace) -> int:
+    from onto_compiler.bddl.layout import format_text  # noqa: PLC0415 - heavy imports wait for the command to run
+    from onto_compiler.bddl.parse import read_text  # noqa: PLC0415
+
+    wrong = [path for path in options.paths if not path.is_dir() and path.suffix != ".bddl"]
+    for path in wrong:
+        sys.stderr.write(f"onto fmt: `{path}` is neither a BDDL file nor a folder\n")
+    if wrong:
+        return MISUSE
+    changed, faulty, total = 0, 0, 0
+    for path in _files(options.paths):
+        total += 1
+        try:
+            before = read_text(path)
+            after = format_text(before, str(path))
+        except OntoError as error:
+            faulty += 1
+            text = path.read_text("utf-8", errors="replace") if path.is_file() else None
+            sys.stderr.write("".join(render(problem, text) + "\n" for problem in error.problems))
+            continue
+        if after == before:
+            continue
+        changed += 1
+        if options.diff:
+            pair = (before.splitlines(keepends=True), after.splitlines(keepends=True))
+            sys.stdout.writelines(difflib.unified_diff(*pair, str(path), str(path)))
+        elif options.check:
+            sys.stdout.write(f"{path}\n")
+        else:
+            faulty += not _write(path, after)
+    dry = options.check or options.diff
+    done = "would change" if dry else "changed"
+    sys.stderr.write(f"{changed} of {total} file{'' if total == 1 else 's'} {done}\n")
+    return FINDINGS if faulty or (dry and changed) else CLEAN
+
+
+def _files(paths: Sequence[Path]) -> Iterator[Path]:
+    for path in paths:
+        if path.is_dir():
+            yield from sorted(path.rglob("*.bddl"))
+        else:
+            yield path
+
+
+def _write(path: Path, text: str) -> bool:
+    try:
+        path.write_bytes(text.encode("utf-8"))
+    except OSError as error:
+        sys.stderr.write(f"onto fmt: cannot write `{path}`: {error.strerror}\n")
+        return False
+    return True
+
+
+FMT = Command(
+    name="fmt",
+    help="Lay out BDDL task files in the one canonical way, comments included.",
+    example="onto fmt --check tasks/",
+    configure=_configure,
+    run=_run,
+)

@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from benchmarks.bddl import CORPORA
 from benchmarks.grounding import KINDS
 from benchmarks.results import RESULTS, read_result
 from benchmarks.state_repair import METHODS, SUITES
@@ -127,7 +128,27 @@ def grounding(result: dict[str, Any]) -> str:
     return "\n".join([*lines, "", note, "", _origin(result)])
 
 
+def bddl(result: dict[str, Any]) -> str:
+    """One line per corpus, one for each warning, and the predicates that nothing binds."""
+    m = result["metrics"]
+    lines = [
+        _row("corpus", "files", "do not parse", "read back changed", "with alternatives", "written out", "lifted"),
+        _row(*["---"] * 7),
+    ]
+    shown = ("files", "failed", "round_trip_failed", "with_alternatives", "written_out", "lifted")
+    lines += [_row(f"`{name}`", *(str(m[f"{name}_{key}"]) for key in shown)) for name in CORPORA]
+    unbound = sorted(((-count, key[8:]) for key, count in m.items() if key.startswith("unbound.")))
+    warned = [f"{count} of `{key.replace('.', '` `')}`" for key, count in m.items() if ".BDDL" in key]
+    notes = [
+        f"Of the {m['behavior_files']} files of BEHAVIOR {m['behavior_files'] - m['behavior_tasks']} describe domains.",
+        f"Files with a warning: {', '.join(warned)}.",
+        f"Goals of BEHAVIOR by predicate without a binding: {', '.join(f'`{name}` {-n}' for n, name in unbound)}.",
+    ]
+    return "\n".join([*lines, "", " ".join(notes), "", _origin(result)])
+
+
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
+    "bddl": bddl,
     "check": check,
     "demo": demo,
     "grounding": grounding,

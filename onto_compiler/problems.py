@@ -9,8 +9,9 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
-__all__ = ["OntoError", "Problem", "Span", "near", "render"]
+__all__ = ["OntoError", "Problem", "Span", "clipped", "near", "render"]
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -70,13 +71,24 @@ def near(name: str, known: Iterable[str]) -> str:
     return f"did you mean `{match[0]}`?" if match else ""
 
 
+def clipped(text: str, length: int = 80) -> str:
+    """``text``, without its middle where it is longer than a message should be."""
+    return text if len(text) <= length else f"{text[: length // 2]}…{text[-(length // 4) :]}"
+
+
+@lru_cache(maxsize=1)
+def _rows(source: str) -> tuple[str, ...]:
+    """The lines of a source, kept for the next problem in it."""
+    return tuple(source.splitlines())
+
+
 def render(problem: Problem, source: str | None = None) -> str:
     """One problem as a compiler prints it: code, place, line with a caret when ``source`` holds it, and the hint."""
     lines = [f"{problem.severity}[{problem.code}]: {problem.message}"]
     if problem.file:
         place = f"{problem.file}:{problem.line}:{problem.column}" if problem.line else problem.file
         lines.append(f"  --> {place}")
-    rows = source.splitlines() if source else []
+    rows = _rows(source) if source else ()
     if 0 < problem.line <= len(rows):
         text = rows[problem.line - 1].replace("\t", " ")
         lines += [f"   | {text}", f"   | {' ' * max(problem.column - 1, 0)}^"]

@@ -13,6 +13,9 @@ from onto_compiler.problems import OntoError, Problem
 
 __all__ = ["collect", "graph_of", "load_store", "parse_problem", "read_into"]
 
+MANY = 100  # brackets: with no more, none can be nested too deep
+LARGE = 1024 * 1024  # bytes: with no more, no literal can be too long
+
 
 def collect(paths: Iterable[Path | str]) -> tuple[Path, ...]:
     """Turtle files among ``paths``; a folder stands for every ``*.ttl`` below it.
@@ -68,6 +71,9 @@ def read_into(store: Store, path: Path, text: str | None = None, written: list[Q
         data = path.read_bytes() if text is None else text.encode()
         data.decode("utf-8")
         data, base, graph = data.removeprefix(BOM_UTF8), path.as_uri(), graph_of(path)
+        # The two counts are enough to know a common file sound, without the import.
+        if data.count(b"[") + data.count(b"(") > MANY and (problem := _too_deep(path, data)) is not None:
+            return [problem]
         if written is None:
             store.load(data, format=RdfFormat.TURTLE, base_iri=base, to_graph=graph)
         else:
@@ -75,6 +81,8 @@ def read_into(store: Store, path: Path, text: str | None = None, written: list[Q
             statements = [Quad(one.subject, one.predicate, one.object, graph) for one in read]
             store.extend(statements)
             written += statements
+        if len(data) > LARGE and (problem := _too_long(store, path, data)) is not None:
+            return [problem]
     except SyntaxError as error:
         return [parse_problem(path, error, text)]
     except UnicodeDecodeError as error:
@@ -85,6 +93,19 @@ def read_into(store: Store, path: Path, text: str | None = None, written: list[Q
     except OSError as error:
         return [_unreadable(path, f"cannot read `{path.name}`: {error.strerror or error}")]
     return []
+
+
+def _too_deep(path: Path, data: bytes) -> Problem | None:
+    from onto_compiler.turtle.limits import nesting_problem  # noqa: PLC0415 - few files need it
+
+    return nesting_problem(path, data.decode("utf-8"))
+
+
+def _too_long(store: Store, path: Path, data: bytes) -> Problem | None:
+    from onto_compiler.turtle.limits import MAX_LITERAL, literal_problem  # noqa: PLC0415 - as above
+
+    long = f"ASK {{ GRAPH {graph_of(path)} {{ ?s ?p ?o FILTER (STRLEN(STR(?o)) > {MAX_LITERAL}) }} }}"
+    return literal_problem(path, data.decode("utf-8")) if bool(store.query(long)) else None
 
 
 def parse_problem(path: Path, error: SyntaxError, text: str | None = None) -> Problem:

@@ -10,6 +10,7 @@ import difflib
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 
 from lark import Token, Tree
 
@@ -259,8 +260,8 @@ class _Builder:
         return rows
 
     def number(self, token: Token) -> float:
-        if NUMERAL.fullmatch(token):
-            return float(token)
+        if NUMERAL.fullmatch(token) and isfinite(value := float(token)):
+            return value
         hint = "write a decimal number such as `0.05`"
         if "," in token and NUMERAL.fullmatch(token.replace(",", ".", 1)):
             hint = f"write `{token.replace(',', '.', 1)}`, with a point"

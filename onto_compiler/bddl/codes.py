@@ -38,6 +38,7 @@ STRANGE_LANGUAGE: Final = "BDDL029"
 NEVER_PLACED: Final = "BDDL030"
 DUPLICATE_ATOM: Final = "BDDL031"
 PASSED_OVER: Final = "BDDL032"
+TOO_LARGE: Final = "BDDL033"
 
-ALL_CODES: Final = tuple(f"BDDL{number:03d}" for number in range(1, 33))
+ALL_CODES: Final = tuple(f"BDDL{number:03d}" for number in range(1, 34))
 """Every code above, in order."""

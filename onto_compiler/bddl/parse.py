@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from functools import cache
 from importlib import resources
@@ -17,6 +18,12 @@ from onto_compiler.bddl.groups import MAX_DEPTH, Group, groups, too_deep, unbala
 from onto_compiler.problems import OntoError, Problem, Span, near
 
 __all__ = ["parse", "parse_domain", "parse_file", "read_text"]
+
+# Tasks that people write have up to 12,000 characters, and words of up to 80.
+MAX_SIZE = 65_536
+MAX_WORD = 1_024
+LONG_WORD = re.compile(rf"[^\s();]{{{MAX_WORD + 1},}}")
+MAX_AGAIN = 2 * MAX_SIZE  # characters that are read again to look for further syntax errors
 
 
 def parse_file(path: str | Path) -> TaskSpec:
@@ -86,6 +93,12 @@ def _sound(text: str, file: str) -> str:
     if text.startswith("\ufeff"):
         message, hint = "the file starts with a byte-order mark", "save it as UTF-8 without one; LIBERO cannot read it"
         raise OntoError(Problem(file, 1, 1, codes.UNREADABLE, "error", message, hint))
+    if len(text) > MAX_SIZE:
+        message = f"the file holds {len(text):,} characters; at most {MAX_SIZE:,} are read"
+        raise OntoError(Problem(file, 1, 1, codes.TOO_LARGE, "error", message, "write several tasks instead of one"))
+    if (long := LONG_WORD.search(text)) is not None:
+        message = f"a word of {len(long.group()):,} characters; at most {MAX_WORD:,} are read"
+        raise OntoError(Problem.at(_point(file, text, long.start()), codes.TOO_LARGE, message, "shorten it"))
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     if (slip := unbalanced(text)) is not None:
@@ -105,11 +118,13 @@ def _lark() -> Lark:
 def _read(text: str, file: str, start: str) -> tuple[Tree[Token] | None, list[Problem], tuple[Group, ...]]:
     """Parse ``text``; at a syntax error, blank the group that it is in and try again.
 
-    Returns the tree of what is left (None where nothing is), the problems, and the groups that were blanked.
+    Returns the tree of what is left (None where nothing is, or where too much had to be read again), the problems, and
+    the groups that were blanked.
     """
     problems: list[Problem] = []
     blanked: list[Group] = []
     parts: tuple[Group, ...] | None = None
+    again = 0
     while True:
         try:
             return _lark().parse(text, start=start), problems, tuple(blanked)
@@ -120,7 +135,8 @@ def _read(text: str, file: str, start: str) -> tuple[Tree[Token] | None, list[Pr
             # A group that already lost a part is incomplete for that reason: its fault has been reported.
             if group is None or not any(group.start <= part.start < group.end for part in blanked):
                 problems.append(syntax_problem(error, _lark(), _point(file, text, position), group))
-            if group is None or group.parent is None:
+            again += position
+            if group is None or group.parent is None or again > MAX_AGAIN:
                 return None, problems, tuple(blanked)
             if group.parent.kind == "atom" or group.kind in {"variable", "count"}:
                 group = group.parent  # an atom holds no groups, and a quantifier is nothing without its variable

@@ -33,7 +33,8 @@ SELECT ?rule ?prefix ?namespace WHERE {
 _DECLARED = "SELECT DISTINCT ?term WHERE { ?term a ?any FILTER isIRI(?term) }"
 _NAMESPACES = """
 SELECT DISTINCT ?namespace WHERE {
-    ?term rdfs:isDefinedBy ?any BIND (REPLACE(STR(?term), "[^#/]*$", "") AS ?namespace) }"""
+    ?term rdfs:isDefinedBy ?any FILTER isIRI(?term)
+    BIND (REPLACE(STR(?term), "[^#/]*$", "") AS ?namespace) }"""
 _CONTINUOUS = """
 SELECT ?property WHERE { ?property rdfs:range ?range VALUES ?range { xsd:double xsd:decimal xsd:float } }"""
 _RANGES = """

@@ -15,6 +15,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Tr
 
 from onto_compiler.problems import Span
 from onto_compiler.rdf import RDF, XSD
+from onto_compiler.turtle.limits import MAX_DEPTH
 from onto_compiler.turtle.tokens import Source, Token, position_in_literal, tokens, unescape
 
 __all__ = ["Located", "Prefix", "SourceMap", "Term", "canonical", "map_text", "read_map"]
@@ -126,14 +127,15 @@ class _Walker:
     tokens: list[Token] = field(default_factory=list)
     at: int = 0
     blanks: dict[str, BlankNode] = field(default_factory=dict)
+    depth: int = 0
 
     def run(self) -> None:
         self.tokens = list(tokens(self.result.source.text))
         while self.at < len(self.tokens):
-            begin = self.at
+            begin, self.depth = self.at, 0
             try:
                 self.statement()
-            except _Unreadable:
+            except (_Unreadable, ValueError):  # Oxigraph's word for what is no IRI or no language tag
                 self.at = max(self.at, begin + 1)
                 while self.at < len(self.tokens) and self.next().text != ".":
                     pass
@@ -157,6 +159,13 @@ class _Walker:
         if token is None:
             raise _Unreadable
         return token
+
+    def descend(self, text: str) -> Token:
+        """As ``expect``, of a bracket; what is nested deeper than the methods can follow is passed over."""
+        self.depth += 1
+        if self.depth > MAX_DEPTH:
+            raise _Unreadable
+        return self.expect(text)
 
     # Grammar
 
@@ -240,15 +249,16 @@ class _Walker:
         return named if named is not None else self.literal(token)
 
     def anonymous(self) -> BlankNode:
-        opening = self.expect("[")
+        opening = self.descend("[")
         node = BlankNode()
         if self.take("]") is None:
             self.properties(node, opening)
             self.expect("]")
+        self.depth -= 1
         return node
 
     def collection(self) -> NamedNode | BlankNode:
-        opening = self.expect("(")
+        opening = self.descend("(")
         head: NamedNode | BlankNode = _NIL
         last: BlankNode | None = None
         while self.take(")") is None:
@@ -260,6 +270,7 @@ class _Walker:
                 self.result.triples.append(Located(last, _REST, cell, opening, token, token))
             self.result.triples.append(Located(cell, _FIRST, self.object(), opening, token, token))
             last = cell
+        self.depth -= 1
         if last is not None:
             closing = self.tokens[self.at - 1]
             self.result.triples.append(Located(last, _REST, _NIL, opening, closing, closing))

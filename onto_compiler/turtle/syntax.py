@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from onto_compiler.problems import Problem, Span, near
+from onto_compiler.problems import Problem, Span, clipped, near
 from onto_compiler.rdf import PREFIXES
 from onto_compiler.turtle.tokens import Source, Token, tokens
 
@@ -28,9 +28,14 @@ def syntax_problem(path: Path, error: SyntaxError, text: str | None = None) -> P
     if not line and (place := _PLACE.search(str(error))):
         line, column = int(place[1] or place[3]), int(place[2] or place[4])
     offset = source.offset(line, column)
-    read = list(tokens(source.text))
+    read: list[Token] = []
+    found: Token | None = None
+    for token in tokens(source.text):
+        read.append(token)
+        if token.end > offset:
+            found = token
+            break
     before = [token for token in read if token.end <= offset]
-    found = next((token for token in read if token.start <= offset < token.end or token.start >= offset), None)
     return (
         _unterminated(source, read, offset)
         or _prefix(source, message, offset)
@@ -67,7 +72,7 @@ def _prefix(source: Source, message: str, offset: int) -> Problem | None:
         hint = f"add `@prefix {name}: <{PREFIXES[name]}> .`"
     else:
         hint = near(name + ":", [f"{known}:" for known in (*declared, *PREFIXES)]) or "declare it with `@prefix`"
-    return _problem(source, offset, "TTL003", f"the prefix `{name}:` is not declared", hint)
+    return _problem(source, offset, "TTL003", f"the prefix `{clipped(name)}:` is not declared", hint)
 
 
 def _bracket(source: Source, before: list[Token], found: Token | None) -> Problem | None:
@@ -101,7 +106,7 @@ def _end(source: Source, message: str, before: list[Token], found: Token | None)
         return None
     hint = "end the statement with `.`"
     if found is not None:
-        hint += f", or put `;` here if `{found.text}` goes on describing the same subject"
+        hint += f", or put `;` here if `{clipped(found.text)}` goes on describing the same subject"
     return _problem(source, before[-1].end, "TTL005", "the statement that ends here has no `.`", hint)
 
 
@@ -118,7 +123,7 @@ def _invalid(source: Source, message: str, before: list[Token], offset: int) -> 
         hint = "remove the `,` before, or write another object"
     elif what == "an object" and before and before[-1].text == ";":
         hint = "remove one `;`, or write a predicate"
-    shown = " ".join(match[1].split())
+    shown = clipped(" ".join(match[1].split()))
     return _problem(source, offset, "TTL001", f"not Turtle: expected {what}, found `{shown}`", hint)
 
 
@@ -132,5 +137,5 @@ def _iri(source: Source, message: str, offset: int) -> Problem | None:
 
 
 def _sentence(message: str) -> str:
-    text = " ".join(message.split())
+    text = clipped(" ".join(message.split()), 200)
     return text[:1].lower() + text[1:]

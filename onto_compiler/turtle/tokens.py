@@ -10,32 +10,40 @@ import re
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import cast
 
 from onto_compiler.problems import Span
 
 __all__ = ["Source", "Token", "position_in_literal", "tokens", "unescape"]
 
-_LOCAL = r"(?:[\w:\-\u00b7]|%[0-9A-Fa-f]{2}|\\[_~.\-!$&'()*+,;=/?\#@%]|\.(?=\.*[\w:\-%\\\u00b7]))*"
+# Every repetition gives nothing back (`*+`), so that no text makes the scanner read it more than a few times.
+_LOCAL = r"(?:[\w:\-\u00b7]|%[0-9A-Fa-f]{2}|\\[_~.\-!$&'()*+,;=/?\#@%]|\.++(?=[\w:\-%\\\u00b7]))*+"
+_HEAD = r"[^\W\d](?:[\w\-\u00b7]|\.++(?=[\w\-\u00b7]))*+"
 _TOKEN = re.compile(
     r"""
       (?P<space>\s+|\#[^\n\r]*)
     | (?P<iri><(?:[^\x00-\x20<>"{}|^`\\]|\\u[0-9A-Fa-f]{4}|\\U[0-9A-Fa-f]{8})*>)
-    | (?P<string>\"{3}(?:\"{0,2}(?:[^"\\]|\\.))*\"{3}|'{3}(?:'{0,2}(?:[^'\\]|\\.))*'{3}
-        |(?!\"{3}|'{3})(?:"(?:[^"\\\n\r]|\\.)*"|'(?:[^'\\\n\r]|\\.)*'))
+    | (?P<string>\"{3}(?:\"{0,2}+(?:[^"\\]|\\.))*+\"{3}|'{3}(?:'{0,2}+(?:[^'\\]|\\.))*+'{3}
+        |(?!\"{3}|'{3})(?:"(?:[^"\\\n\r]|\\.)*+"|'(?:[^'\\\n\r]|\\.)*+'))
     | (?P<unterminated>\"{3}|'{3}|"|')
     | (?P<at>@[A-Za-z]+(?:-[A-Za-z0-9]+)*)
     | (?P<datatype>\^\^)
     | (?P<blank>_:\w(?:[\w\-.\u00b7]*[\w\-\u00b7])?)
     | (?P<variable>[?$]\w+)
     | (?P<number>[+-]?(?:\d+\.\d*[eE][+-]?\d+|\.\d+[eE][+-]?\d+|\d+[eE][+-]?\d+|\d*\.\d+|\d+))
-    | (?P<name>(?:[^\W\d](?:[\w\-.\u00b7]*[\w\-\u00b7])?)?:"""
+    | (?P<name>(?:"""
+    + _HEAD
+    + r")?:"
     + _LOCAL
     + r""")
-    | (?P<word>[A-Za-z_]\w*)
+    | (?P<word>"""
+    + _HEAD
+    + r""")
     | (?P<mark>.)
     """,
     re.VERBOSE | re.DOTALL,
 )
+_LINE_END = re.compile(r"[\n\r]|\Z")
 _ESCAPE = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|(.))", re.DOTALL)
 _SIMPLE = {"t": "\t", "b": "\b", "n": "\n", "r": "\r", "f": "\f"}
 
@@ -79,10 +87,14 @@ class Source:
 
 def tokens(text: str) -> Iterator[Token]:
     """Every token of ``text`` that is neither space nor a comment."""
-    for match in _TOKEN.finditer(text):
-        kind = match.lastgroup or "mark"
+    at = 0
+    while (match := _TOKEN.match(text, at)) is not None:
+        kind, at = match.lastgroup or "mark", match.end()
         if kind != "space":
-            yield Token(kind, match[0], match.start(), match.end())
+            yield Token(kind, match[0], match.start(), at)
+        if kind == "unterminated":
+            # What follows on the line is text that was meant to be quoted.
+            at = cast("re.Match[str]", _LINE_END.search(text, at)).start()
 
 
 def unescape(text: str) -> str:

@@ -45,7 +45,7 @@ def run(trial: Trial) -> list[Row]:
         said = next(run_shacl_case(case) for case in shacl_cases(root) if case.iri == trial["case"])
     else:
         said = next(run_rule_case(case) for case in rule_cases(root) if case.iri == trial["case"])
-    return [{"mode": "none", "sees": "ontology", "passed": not said, "said": said}]
+    return [{"mode": "none", "sees": "none", "passed": not said, "said": said}]
 
 
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
@@ -68,7 +68,7 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
 CONFORMANCE = Protocol(
     name="conformance",
     help="the W3C's SHACL suite and the DASH rule cases",
-    seeds=(),
+    seeds=(0,),
     trials=trials,
     run=run,
     metrics=metrics,

@@ -147,11 +147,34 @@ def bddl(result: dict[str, Any]) -> str:
     return "\n".join([*lines, "", " ".join(notes), "", _origin(result)])
 
 
+def lsp(result: dict[str, Any]) -> str:
+    """Keystrokes, those after which the file is Turtle, and the whole check that follows a pause."""
+    m = result["metrics"]
+    lines = [_row("what is timed", "n", "median ms", "95 % ms", "largest ms"), _row(*["---"] * 5)]
+    parsed = [row["ms"] for row in result["rows"] if row.get("parsed")]
+    for shown, number, *times in (
+        ("keystroke to problems", m["keystrokes"], m["p50_ms"], m["p95_ms"], m["max_ms"]),
+        ("of these, the file is Turtle", m["parsed"], m["parsed_p50_ms"], m["parsed_p95_ms"], max(parsed)),
+    ):
+        lines.append(_row(shown, str(number), *(f"{ms:.1f}" for ms in times)))
+    lines.append(
+        _row(
+            "whole check after a pause",
+            str(m["whole_checks"]),
+            f"{m['whole_p50_ms']:.1f}",
+            "—",
+            f"{m['whole_max_ms']:.1f}",
+        )
+    )
+    return "\n".join([*lines, "", _origin(result)])
+
+
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "bddl": bddl,
     "check": check,
     "demo": demo,
     "grounding": grounding,
+    "lsp": lsp,
     "state_repair": state_repair,
 }
 

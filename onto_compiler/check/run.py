@@ -9,6 +9,7 @@ from pathlib import Path
 from pyoxigraph import BlankNode, NamedNode
 
 from onto_compiler.check.bindings import check_bindings
+from onto_compiler.check.consistency import check_consistency
 from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.prefixes import check_prefixes
@@ -51,6 +52,9 @@ def check_model(model: Model) -> tuple[Problem, ...]:
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
     findings += [*check_rules(model), *check_bindings(model)]
     findings += _shape_findings(model)
+    # A value of the wrong class is often a contradiction too; the first word on a triple is the clearer one.
+    told = {(finding.subject, finding.predicate, finding.object) for finding in findings}
+    findings += (one for one in check_consistency(model) if (one.subject, one.predicate, one.object) not in told)
     if findings:
         from onto_compiler.check.locate import locate  # noqa: PLC0415 - a clean run never needs a source map
 

@@ -1,0 +1,1 @@
+"""What follows from an ontology, and which of its axioms clash."""

@@ -169,9 +169,21 @@ def lsp(result: dict[str, Any]) -> str:
     return "\n".join([*lines, "", _origin(result)])
 
 
+def conformance(result: dict[str, Any]) -> str:
+    """One line per suite."""
+    suites = {"core/": "W3C, SHACL Core", "sparql/": "W3C, SHACL-SPARQL", "http": "DASH, rules"}
+    lines = [_row("suite", "cases", "passed"), _row(*["---"] * 3)]
+    for begin, shown in suites.items():
+        rows = [row for row in result["rows"] if row["case"].startswith(begin)]
+        lines.append(_row(shown, str(len(rows)), str(sum(row.get("passed", False) for row in rows))))
+    note = f"{result['metrics']['shacl_excepted']} cases are listed as exceptions."
+    return "\n".join([*lines, "", note, "", _origin(result)])
+
+
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "bddl": bddl,
     "check": check,
+    "conformance": conformance,
     "demo": demo,
     "grounding": grounding,
     "lsp": lsp,

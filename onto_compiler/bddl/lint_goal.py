@@ -86,25 +86,26 @@ def _supported(way: Way, dialect: Dialect) -> Iterator[Problem]:
 
 
 def _itself(way: Way, dialect: Dialect) -> Iterator[Problem]:
-    """Something on or in itself, or each of two on the other."""
-    over: dict[str, set[str]] = {}
-    for atom, polarity in way:
-        if not polarity or atom.predicate.lower() not in (*dialect.supports, *dialect.contains):
-            continue
-        if len(atom.arguments) != 2:
-            continue
+    """Something on or in itself, or things that shall each be on another of them; the atom that closes the circle."""
+    stacked = [
+        atom
+        for atom, polarity in way
+        if polarity and atom.predicate.lower() in (*dialect.supports, *dialect.contains) and len(atom.arguments) == 2
+    ]
+    while True:
+        # What nothing is on, or what is on nothing, is part of no circle.
+        tops, bottoms = ({atom.arguments[i].name for atom in stacked} for i in (0, 1))
+        circular = [a for a in stacked if a.arguments[0].name in bottoms and a.arguments[1].name in tops]
+        if len(circular) == len(stacked):
+            break
+        stacked = circular
+    if stacked:
+        atom = stacked[-1]
         what, where = (symbol.name for symbol in atom.arguments)
-        below, todo = {where}, [where]
-        while todo:
-            fresh = over.get(todo.pop(), set()) - below
-            below |= fresh
-            todo += fresh
-        if what in below:
-            message = f"the goal can never hold: `{atom}` puts `{what}` on or in itself"
-            if what != where:
-                message += ", by way of what else the goal asks for"
-            yield Problem.at(atom.span, codes.ITSELF, message, "name another place", "warning")
-        over.setdefault(what, set()).add(where)
+        message = f"the goal can never hold: `{atom}` puts `{what}` on or in itself"
+        if what != where:
+            message += ", by way of what else the goal asks for"
+        yield Problem.at(atom.span, codes.ITSELF, message, "name another place", "warning")
 
 
 def _already(spec: TaskSpec, goal: Goal) -> Iterator[Problem]:

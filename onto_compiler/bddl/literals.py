@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import And, Atom, Formula, Not, Or, TaskSpec
@@ -18,7 +19,8 @@ from onto_compiler.problems import Problem
 
 __all__ = ["Goal", "Literal", "goal_of"]
 
-MAX_STEP = 32 * MAX_ALTERNATIVES
+MAX_STEPS: Final = 8_000_000
+"""The most comparisons of conjunctions that a goal may cost: about a second."""
 Literal = tuple[Atom, bool]
 
 
@@ -108,6 +110,7 @@ class _Table:
 
     numbers: dict[tuple[str, tuple[str, ...]], int] = field(default_factory=dict)
     atoms: list[Atom] = field(default_factory=list)
+    steps: int = 0  # comparisons so far
 
     def number(self, atom: Atom) -> int:
         # Predicates are read without regard to case.
@@ -125,11 +128,13 @@ class _Table:
             case Not(part=part):
                 return self.terms(part, not polarity)
             case And(parts=parts) | Or(parts=parts) if isinstance(formula, And) != polarity:
-                result: list[int] | None = []
+                union: set[int] = set()
                 for part in parts:
                     terms = self.terms(part, polarity)
-                    result = None if terms is None or result is None else _least({*result, *terms})
-                return result
+                    if terms is None:
+                        return None
+                    union.update(terms)
+                return self.least(union)
             case _:
                 return self.with_all([0], formula, polarity)
 
@@ -144,7 +149,35 @@ class _Table:
                 return self.with_all(terms, part, not polarity)
             case _:
                 more = self.terms(formula, polarity) if terms is not None else None
-                return None if terms is None or more is None else _both(terms, more)
+                return None if terms is None or more is None else self.both(terms, more)
+
+    def both(self, left: Sequence[int], right: Sequence[int]) -> list[int] | None:
+        """Each of ``left`` with each of ``right``; None where there are too many."""
+        self.steps += len(left) * len(right)
+        if self.steps > MAX_STEPS:
+            return None
+        if any(term.bit_count() > 1 for term in right):
+            return self.least({one | other for one in left for other in right if _possible(one | other)})
+        # What holds one of `right` already needs nothing more, and only that can lie within an extended term.
+        mask = sum(right)
+        kept = [term for term in left if term & mask]
+        extended = [term | bit for term in left if not term & mask for bit in right]
+        self.steps += len(kept) * len(extended)
+        if self.steps > MAX_STEPS:
+            return None
+        kept += [term for term in extended if _possible(term) and not any(term & less == less for less in kept)]
+        return kept if len(kept) <= MAX_ALTERNATIVES else None
+
+    def least(self, terms: set[int]) -> list[int] | None:
+        """Those that hold no other, the smaller first; None where there are too many."""
+        result: list[int] = []
+        for term in sorted(terms, key=lambda term: (term.bit_count(), term)):
+            self.steps += len(result)
+            if len(result) > MAX_ALTERNATIVES or self.steps > MAX_STEPS:
+                return None
+            if not any(term & less == less for less in result):
+                result.append(term)
+        return result if len(result) <= MAX_ALTERNATIVES else None
 
     def goal(self, terms: Sequence[int]) -> Goal:
         """The terms as indices of literals, each literal once and in the order of the file."""
@@ -158,31 +191,6 @@ class _Table:
 
 def _bits(term: int) -> list[int]:
     return [bit for bit in range(term.bit_length()) if term >> bit & 1]
-
-
-def _both(left: Sequence[int], right: Sequence[int]) -> list[int] | None:
-    """Each of ``left`` with each of ``right``; None where there are too many."""
-    if len(left) * len(right) > MAX_STEP:
-        return None
-    if all(term.bit_count() == 1 for term in right):
-        # What holds one of `right` already needs nothing more, and only that can lie within an extended term.
-        mask = sum(right)
-        kept = [term for term in left if term & mask]
-        extended = [term | bit for term in left if not term & mask for bit in right]
-        kept += [term for term in extended if _possible(term) and not any(term & less == less for less in kept)]
-        return kept if len(kept) <= MAX_ALTERNATIVES else None
-    return _least({one | other for one in left for other in right if _possible(one | other)})
-
-
-def _least(terms: set[int]) -> list[int] | None:
-    """Those that hold no other, the smaller first; None where there are too many."""
-    result: list[int] = []
-    for term in sorted(terms, key=lambda term: (term.bit_count(), term)):
-        if not any(term & less == less for less in result):
-            result.append(term)
-            if len(result) > MAX_ALTERNATIVES:
-                return None
-    return result
 
 
 def _possible(term: int) -> bool:

@@ -22,7 +22,7 @@ __all__ = ["MAX_ALTERNATIVES", "too_many", "unquantified"]
 
 MAX_ALTERNATIVES: Final = 1024
 """The most alternatives that a goal may have, and that any step on the way to them may make."""
-MAX_GROUND: Final = 100_000
+MAX_GROUND: Final = 50_000
 """The most ground atoms that the quantifiers of a goal may make."""
 ANY: Final = "*"  # BEHAVIOR: `table.n.02_*` stands for as many more tables as the scene has
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from onto_compiler.bddl import parse
 from onto_compiler.bddl.ast import And, Atom, Declaration, Imply, Not, Or, Quantified, Symbol, TaskSpec, Variable
+from onto_compiler.bddl.lint_goal import lint_goal
 from onto_compiler.bddl.literals import goal_of
 from onto_compiler.bddl.quantifiers import MAX_ALTERNATIVES
 
@@ -127,3 +128,35 @@ def test_what_would_not_end_is_refused(goal):
     objects = " ".join(f"cup_{i}" for i in range(20))
     spec = parse(f"(define (problem P) (:domain omnigibson) (:objects {objects} - cup) (:init) (:goal {goal}))")
     assert [problem.code for problem in goal_of(spec)[1]] == ["BDDL014"]
+
+
+def test_a_goal_of_many_facts_is_linted_without_comparing_each_with_each():
+    objects = " ".join(f"cup_{i}" for i in range(200))
+    goal = "(forall (?a - cup) (forall (?b - cup) (On ?a ?b)))"
+    parts = f"(:domain robosuite) (:language stack) (:objects {objects} - cup) (:init) (:goal {goal})"
+    spec = parse(f"(define (problem P) {parts})")
+    found, problems = goal_of(spec)
+    assert not problems
+    assert len(found.literals) == 40_000
+    told = [problem for problem in lint_goal(spec, found) if problem.code == "BDDL026"]
+    assert [problem.message for problem in told] == [
+        "the goal can never hold: `(On cup_199 cup_199)` puts `cup_199` on or in itself"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("goal", "circle"),
+    [
+        ("(and (On a b) (On b c) (On c a) (On d a))", "`(On c a)` puts `c`"),
+        ("(and (On a b) (On b c) (On d b))", ""),
+        ("(or (On a a) (On a b))", ""),
+        ("(or (On a a) (On b b))", "`(On a a)` puts `a`"),
+        ("(and (On a b) (not (On b a)))", ""),
+    ],
+)
+def test_a_circle_of_supports_is_found_where_every_alternative_has_one(goal, circle):
+    text = f"(define (problem P) (:domain robosuite) (:language stack) (:objects a b c d - cup) (:init) (:goal {goal}))"
+    spec = parse(text)
+    told = [problem.message for problem in lint_goal(spec, goal_of(spec)[0]) if problem.code == "BDDL026"]
+    assert len(told) == bool(circle)
+    assert all(circle in message for message in told)

@@ -21,7 +21,7 @@ from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
 from onto_compiler.shacl.model import ShapeFault, ShapeResult
 from onto_compiler.shacl.validate import validate_graph
-from onto_compiler.sources import parse_problem
+from onto_compiler.sources import MANY, parse_problem
 
 __all__ = ["ENDINGS", "Document", "check_data"]
 
@@ -37,6 +37,7 @@ ENDINGS = {
     ".json": RdfFormat.JSON_LD,
 }
 WITH_PLACES = {RdfFormat.TURTLE, RdfFormat.N_TRIPLES, RdfFormat.TRIG, RdfFormat.N_QUADS}
+_NESTED = {RdfFormat.TURTLE, RdfFormat.TRIG}
 _IMPORTS = NamedNode(OWL + "imports")
 _HINT = f"give a file whose name ends in {', '.join(ENDINGS)}, or a folder that holds some"
 
@@ -126,6 +127,12 @@ def _read(path: Path) -> Document:
         raise OntoError.of("TTL002", f"`{path.name}` has no ending that says what it holds", _HINT, str(path))
     try:
         data = path.read_bytes().removeprefix(BOM_UTF8)
+        if kind in _NESTED and data.count(b"[") + data.count(b"(") > MANY:
+            from onto_compiler.turtle.limits import nesting_problem  # noqa: PLC0415 - few files need it
+
+            problem = nesting_problem(path, data.decode("utf-8", errors="replace"))
+            if problem is not None:
+                raise OntoError(problem)
         found = parse(data, format=kind, base_iri=path.as_uri(), rename_blank_nodes=True)
         return Document(path, kind, tuple(found))
     except SyntaxError as error:
@@ -136,7 +143,7 @@ def _read(path: Path) -> Document:
 
 
 def _syntax(path: Path, kind: RdfFormat, error: SyntaxError) -> Problem:
-    if kind in {RdfFormat.TURTLE, RdfFormat.TRIG}:
+    if kind in _NESTED:
         return parse_problem(path, error)
     said = " ".join(str(error.msg or error).partition(" (line ")[0].split()).rpartition(": ")[2]
     message = f"not {kind.name}: {said[:1].lower()}{said[1:]}"

@@ -172,6 +172,7 @@ def test_a_shape_that_cannot_run_is_placed_in_the_shapes(put):
         ("data.jsonld", '{"@id": "a" "b"}', "TTL001", 1),
         ("data.rdf", "<rdf:RDF><x>", "TTL001", 0),
         ("data.csv", "a,b", "TTL002", 0),
+        ("data.trig", f"<urn:g> {{\n<urn:a> <urn:b> {'[ <urn:b> ' * 200}1{' ]' * 200} }}", "TTL009", 2),
     ],
 )
 def test_what_cannot_be_read_is_a_problem(put, name, text, code, line):

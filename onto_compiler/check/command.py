@@ -42,6 +42,12 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         metavar="SHAPES",
         help="validate PATH, data of any ontology in any RDF format, with these SHACL shapes and nothing else",
     )
+    parser.add_argument(
+        "--reasoner",
+        choices=("rl", "hermit"),
+        default="rl",
+        help="what finds contradictions: OWL 2 RL rules, or HermiT as well, which needs Java (default: rl)",
+    )
     acting = parser.add_mutually_exclusive_group()
     acting.add_argument("--fix", action="store_true", help="repair what is mechanical, in the files themselves")
     acting.add_argument("--diff", action="store_true", help="print what --fix would change, and change nothing")
@@ -75,7 +81,12 @@ def _once(arguments: argparse.Namespace) -> int:
         from onto_compiler.check.data import check_data  # noqa: PLC0415
 
         return _print(arguments, check_data(arguments.paths, arguments.shapes), begin)
-    return _print(arguments, check_all(arguments.paths), begin)
+    report = check_all(arguments.paths)
+    if arguments.reasoner == "hermit":
+        from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
+
+        report = with_hermit(report, arguments.paths)
+    return _print(arguments, report, begin)
 
 
 def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:

@@ -1,0 +1,50 @@
+"""HermiT, the reasoner for the whole of OWL 2 DL, through owlready2; it needs Java.
+
+owlready2 reads no Turtle, so that it is handed N-Triples; imports are left out, since what is imported is there.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from pathlib import Path
+
+from pyoxigraph import RdfFormat, Store, serialize
+
+from onto_compiler.problems import OntoError
+from onto_compiler.rdf import OWL
+
+__all__ = ["empty_classes"]
+
+
+def empty_classes(store: Store) -> tuple[str, ...] | None:
+    """The IRIs of the named classes of ``store`` that can have no instance; None where the whole is a contradiction.
+
+    Raises:
+        OntoError: CLI006, where Java is not on the search path, or HermiT refuses the ontology.
+
+    """
+    if shutil.which("java") is None:
+        raise OntoError.of(
+            "CLI006",
+            "HermiT runs on Java, which is not on the search path",
+            "install a Java runtime, or leave out --reasoner",
+        )
+    import owlready2  # noqa: PLC0415 - heavy, and asked for by name only
+
+    with tempfile.TemporaryDirectory(prefix="onto-") as folder:
+        path = Path(folder) / "all.nt"
+        triples = {quad.triple for quad in store if quad.predicate.value != OWL + "imports"}
+        path.write_bytes(serialize(triples, format=RdfFormat.N_TRIPLES) or b"")
+        world = owlready2.World()
+        loaded = world.get_ontology(path.as_uri()).load()
+        try:
+            with loaded:
+                owlready2.sync_reasoner_hermit(world, debug=0)
+        except owlready2.OwlReadyInconsistentOntologyError:
+            return None
+        except owlready2.OwlReadyJavaError as error:
+            reason = str(error).strip().partition("\n")[0]
+            hint = "OWL 2 DL forbids some of what RDF allows; `onto explain CLI006` says more"
+            raise OntoError.of("CLI006", f"HermiT does not take this ontology: {reason}", hint) from None
+        return tuple(sorted(cls.iri for cls in world.inconsistent_classes() if cls.iri != OWL + "Nothing"))

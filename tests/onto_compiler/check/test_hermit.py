@@ -1,0 +1,64 @@
+"""HermiT finds what OWL 2 RL does not see; without Java the wish for it is a problem and no traceback."""
+
+import argparse
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from onto_compiler.check.command import CHECK
+from onto_compiler.command import CLEAN, FINDINGS
+from onto_compiler.problems import OntoError
+
+BROKEN = Path(__file__).parent / "broken"
+JAVA = pytest.mark.skipif(shutil.which("java") is None, reason="HermiT runs on Java, which is not on PATH")
+
+
+def run(capsys, *words):
+    parser = argparse.ArgumentParser()
+    CHECK.configure(parser)
+    capsys.readouterr()
+    code = CHECK.run(parser.parse_args([*map(str, words), "--json"]))
+    return code, [(p["code"], p["line"]) for p in json.loads(capsys.readouterr().out)["problems"]]
+
+
+def only_dl(tmp_path):
+    """A class that must have a value of an empty union: beyond OWL 2 RL."""
+    text = (BROKEN / "owl010_no_instance.ttl").read_text()
+    old = "[ a owl:Restriction ; owl:onProperty ex:holds ; owl:hasValue ex:plate_1 ]"
+    assert old in text
+    new = "[ a owl:Restriction ; owl:onProperty ex:holds ; owl:someValuesFrom man:Fixture ]"
+    path = tmp_path / "x.ttl"
+    path.write_text(text.replace(old, new).replace("man:Object , [", "[").replace("man:Fixture ;", "man:Object ;", 1))
+    return path
+
+
+@JAVA
+def test_the_shipped_ontology_is_consistent(capsys):
+    assert run(capsys, "--reasoner", "hermit") == (CLEAN, [])
+
+
+@JAVA
+def test_what_needs_a_value_that_cannot_be_is_empty(tmp_path, capsys):
+    path = only_dl(tmp_path)
+    assert run(capsys, path) == (CLEAN, [])
+    code, found = run(capsys, path, "--reasoner", "hermit")
+    assert code == FINDINGS
+    assert [kind for kind, _ in found] == ["OWL010"]
+
+
+@JAVA
+@pytest.mark.parametrize("name", ["owl009_contradiction", "owl010_no_instance", "owl006_impossible_class"])
+def test_what_is_found_already_is_not_found_twice(name, capsys):
+    path = BROKEN / f"{name}.ttl"
+    assert run(capsys, path, "--reasoner", "hermit") == run(capsys, path)
+
+
+def test_without_java_it_is_a_problem(monkeypatch, capsys):
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(OntoError) as caught:
+        run(capsys, BROKEN.parent / "good" / "new_predicate.ttl", "--reasoner", "hermit")
+    (problem,) = caught.value.problems
+    assert problem.code == "CLI006"
+    assert "Java" in problem.hint

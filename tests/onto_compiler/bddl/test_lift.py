@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import re
+from pathlib import Path
 
 import pytest
 
 from onto_compiler.bddl import lift, parse, parse_file, required_abox
+from onto_compiler.compile_schema import load_schema
 from onto_compiler.problems import OntoError
 from onto_compiler.required import Entity, NativeAtom
 
@@ -285,3 +288,15 @@ def test_every_libero_task_lifts(libero_files):
         assert bool(warnings) == (file.parent.name == "libero_goal")
         seen += 1
     assert seen == 130
+
+
+def test_the_binding_that_the_documentation_shows_lifts_a_task_of_behavior(tmp_path):
+    page = (Path(__file__).parents[3] / "docs/tasks.md").read_text("utf-8")
+    (block,) = re.findall(r"```turtle\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "my.ttl").write_text(block, "utf-8")
+    schema = load_schema(tmp_path / "my.ttl")
+    text = """(define (problem p) (:domain omnigibson) (:objects a b - bowl.n.01 t - tray.n.01) (:init)
+        (:goal (exists (?b - bowl.n.01) (ontop ?b ?t))))"""
+    abox, _ = lift(parse(text), schema, "task")
+    assert [str(fact) for fact in abox.facts] == ["on(a, t)", "on(b, t)"]
+    assert abox.alternatives == ((0,), (1,))

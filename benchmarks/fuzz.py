@@ -40,7 +40,7 @@ __all__ = ["FUZZ", "Outcome", "put_through"]
 BLOCK = 1000
 BLOCKS = {True: 100, False: 1}
 HANG_S = 2.0
-CHECKED = 20  # every twentieth Turtle file is checked whole
+CHECKED = 10  # every tenth Turtle file is checked whole
 
 
 @dataclass(slots=True)

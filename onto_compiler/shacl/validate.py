@@ -36,6 +36,7 @@ class Validation:
     shapes: Shapes
     _beside: Store | None = None
     _open: set[tuple[Term, Term]] = field(default_factory=set)
+    _assumed: int = 0  # how often something still open was taken to hold
     _decided: dict[tuple[Term, Term], bool] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -48,13 +49,15 @@ class Validation:
         if key in self._decided:
             return self._decided[key]
         if key in self._open:
+            self._assumed += 1
             return True
+        before = self._assumed
         self._open.add(key)
         try:
             verdict = next(self.results(self.shapes.known[shape], node), None) is None
         finally:
             self._open.discard(key)
-        if not self._open:  # otherwise it may rest on what is still open
+        if self._assumed == before:  # otherwise it may rest on what is still open
             self._decided[key] = verdict
         return verdict
 
@@ -79,6 +82,7 @@ class Validation:
     def _nested(self, shape: Shape, focus: Term) -> Iterator[ShapeResult]:
         key = (focus, shape.iri)
         if key in self._open:
+            self._assumed += 1
             return
         self._open.add(key)
         try:

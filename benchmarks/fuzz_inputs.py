@@ -239,6 +239,8 @@ def _letter(rng: random.Random, pieces: list[str], _: str) -> list[str]:
     """One character of a token is lost, doubled, or of the other case."""
     place = _some(rng, pieces)
     piece = pieces[place]
+    if not piece:
+        return pieces
     at = rng.randrange(len(piece))
     new = rng.choice(("", piece[at] * 2, piece[at].swapcase(), chr(ord(piece[at]) ^ 1)))
     return _put(pieces, place, piece[:at] + new + piece[at + 1 :], instead=1)

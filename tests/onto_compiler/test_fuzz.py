@@ -30,7 +30,7 @@ def outcome_of(text, language, tmp_path) -> Outcome:
 def outcomes(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fuzz")
     inputs = [fuzz_input(number) for number in range(INPUTS)]
-    return [(one, put_through(one, folder, whole=one.number % 20 == 1)) for one in inputs]
+    return [(one, put_through(one, folder, whole=one.number % 40 == 1)) for one in inputs]
 
 
 def test_seeds_are_liberos_tasks_and_every_example_of_ours():

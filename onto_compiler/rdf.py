@@ -38,11 +38,16 @@ SKOS = "http://www.w3.org/2004/02/skos/core#"
 XSD = "http://www.w3.org/2001/XMLSchema#"
 
 PREFIXES = {
+    "cora": "http://purl.org/ieee1872-owl/cora-bare#",
+    "corax": "http://purl.org/ieee1872-owl/corax#",
     "core": CORE,
     "dcterms": "http://purl.org/dc/terms/",
+    "dul": "http://www.ontologydesignpatterns.org/ont/dul/DUL.owl#",
+    "fail": "http://www.ease-crc.org/ont/failure_and_recovery.owl#",
     "lib": BASE + "libero#",
     "man": MAN,
     "owl": OWL,
+    "pos": "http://purl.org/ieee1872-owl/pos#",
     "prov": PROV,
     "qudt": "http://qudt.org/schema/qudt/",
     "rdf": RDF,
@@ -51,6 +56,9 @@ PREFIXES = {
     "sh": SH,
     "shape": BASE + "shapes#",
     "skos": SKOS,
+    "soma": "http://www.ease-crc.org/ont/SOMA.owl#",
+    "sosa": "http://www.w3.org/ns/sosa/",
+    "ssn": "http://www.w3.org/ns/ssn/",
     "trace": TRACE,
     "unit": "http://qudt.org/vocab/unit/",
     "xsd": XSD,

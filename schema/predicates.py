@@ -169,12 +169,6 @@ class Threshold(Entity):
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/core#Threshold"
 
 
-class Fixture(Landmark):
-    """A body that is fixed in the scene, with or without joints."""
-
-    iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Fixture"
-
-
 class RackSite(Site):
     """A site of a rack that holds an object by contact."""
 
@@ -199,16 +193,28 @@ class JointThreshold(Threshold):
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#JointThreshold"
 
 
-class Object(Support, Landmark):
-    """A movable rigid body."""
-
-    iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Object"
-
-
 class SupportSite(Support, Site):
     """A site on which an object can rest."""
 
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#SupportSite"
+
+
+class Fixture(Landmark):
+    """A body that is fixed in the scene, with or without joints."""
+
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Fixture"
+
+
+class Drawer(ContainerSite, ArticulatedJoint):
+    """The inside of a drawer, which moves with a sliding joint."""
+
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Drawer"
+
+
+class Object(Support, Landmark):
+    """A movable rigid body."""
+
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Object"
 
 
 class Workspace(Fixture):
@@ -221,12 +227,6 @@ class ArticulatedFixture(Fixture, ArticulatedJoint):
     """A fixture with joints of its own, such as a knob or a door."""
 
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#ArticulatedFixture"
-
-
-class Drawer(ContainerSite, ArticulatedJoint):
-    """The inside of a drawer, which moves with a sliding joint."""
-
-    iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Drawer"
 
 
 @dataclass(frozen=True)

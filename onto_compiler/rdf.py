@@ -5,6 +5,7 @@ from __future__ import annotations
 from pyoxigraph import Literal, NamedNode
 
 __all__ = [
+    "ALIGNED",
     "BASE",
     "CORE",
     "MAN",
@@ -63,6 +64,9 @@ PREFIXES = {
     "unit": "http://qudt.org/vocab/unit/",
     "xsd": XSD,
 }
+
+# Vocabularies that the alignments speak of, and no record does.
+ALIGNED = frozenset(("cora", "corax", "dul", "fail", "pos", "soma", "sosa", "ssn"))
 
 _NOT_FINITE = {"inf": "INF", "-inf": "-INF", "nan": "NaN"}  # XSD's spelling
 

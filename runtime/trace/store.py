@@ -16,7 +16,7 @@ from typing import Self
 from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, serialize
 
 from onto_compiler.problems import OntoError, Problem
-from onto_compiler.rdf import PREFIXES, RDF, TRACE, node
+from onto_compiler.rdf import ALIGNED, PREFIXES, RDF, TRACE, node
 from onto_compiler.schema import Schema
 from runtime.records import Episode
 from runtime.trace.admission import record_validator, refuse_invalid
@@ -185,7 +185,8 @@ def newest_trace(root: Path | str = "out") -> Path:
 def dump(store: Store, rdf_format: RdfFormat) -> bytes:
     """The runs in ``store`` (not the ontology), sorted, so that equal traces give equal bytes."""
     quads = sorted(_run_quads(store), key=_order)
-    prefixes = {**PREFIXES, "run": RUNS} if rdf_format in {RdfFormat.TRIG, RdfFormat.JSON_LD} else None
+    known = {name: namespace for name, namespace in PREFIXES.items() if name not in ALIGNED}
+    prefixes = {**known, "run": RUNS} if rdf_format in {RdfFormat.TRIG, RdfFormat.JSON_LD} else None
     buffer = io.BytesIO()
     serialize(quads, buffer, format=rdf_format, prefixes=prefixes)
     return buffer.getvalue()

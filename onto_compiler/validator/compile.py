@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pyoxigraph import Literal, NamedNode, Quad, Triple
 
 from onto_compiler.rdf import BASE, OWL, RDF, RDFS, SH, node
-from onto_compiler.validator.components import COMPONENTS, Parameter, shape_fault
+from onto_compiler.validator.components import COMPONENTS, LACKING, Parameter, shape_fault
 from onto_compiler.validator.facts import Facts, Term, Vocabulary, index
 from onto_compiler.validator.implications import IMPLICATIONS, query_key
 from onto_compiler.validator.paths import walk
@@ -129,6 +129,7 @@ class _Reader:
             checks=tuple(self._checks(shape)),
             rules=tuple(self._rules(shape)),
             properties=tuple(self.shape(each) for each in properties),
+            direct=path if isinstance(path, NamedNode) else None,
         )
 
     def _checks(self, shape: Term) -> Iterator[Check]:
@@ -142,7 +143,8 @@ class _Reader:
                 continue
             component = f"{name[:1].upper()}{name[1:]}ConstraintComponent"
             for value in values:
-                yield Check(component, build(Parameter(self.shapes, shape, name, value, self.shape)))
+                test = build(Parameter(self.shapes, shape, name, value, self.shape))
+                yield Check(component, test, name in LACKING)
 
     def _rules(self, shape: Term) -> Iterator[Rule]:
         for constraint in self.shapes.values(shape, node(SH + "sparql")):

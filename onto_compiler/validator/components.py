@@ -19,7 +19,7 @@ from onto_compiler.validator.facts import Facts, Term, Values
 from onto_compiler.validator.literals import comparable, well_formed
 from onto_compiler.validator.paths import items
 
-__all__ = ["COMPONENTS", "Located", "Nested", "Parameter", "Test", "shape_fault"]
+__all__ = ["COMPONENTS", "LACKING", "Located", "Nested", "Parameter", "Test", "shape_fault"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -317,3 +317,5 @@ COMPONENTS: Mapping[str, Callable[[Parameter], Test]] = {
     "uniqueLang": _unique_lang,
     "xone": _count(lambda true, _all: true == 1),
 }
+
+LACKING = frozenset({"equals", "hasValue", "minCount", "qualifiedMinCount"})  # what no value at all can violate

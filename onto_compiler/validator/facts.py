@@ -104,7 +104,11 @@ class Facts:
     def is_a(self, value: Term, cls: Term) -> bool:
         """Whether ``value`` has ``cls`` or a class below it for a type."""
         below = self.vocabulary.subclasses(cls)
-        return any(each in below for each in self.about(value).get(_TYPE) or NOTHING)
+        # A loop: this is asked of most values, and a generator would cost as much again.
+        for each in self.about(value).get(_TYPE) or NOTHING:  # noqa: SIM110
+            if each in below:
+                return True
+        return False
 
 
 def _merged(first: Properties, second: Properties) -> Properties:

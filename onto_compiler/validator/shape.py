@@ -10,7 +10,7 @@ from pyoxigraph import NamedNode
 
 from onto_compiler.shapes import ShapeResult
 from onto_compiler.validator.components import Located, Test
-from onto_compiler.validator.facts import Facts, Term
+from onto_compiler.validator.facts import NOTHING, Facts, Term, Values
 from onto_compiler.validator.implications import Implication
 from onto_compiler.validator.paths import Walk
 
@@ -27,10 +27,11 @@ class Said(NamedTuple):
 
 
 class Check(NamedTuple):
-    """One constraint of SHACL Core."""
+    """One constraint of SHACL Core; ``lacking`` where a focus node without values can violate it."""
 
     component: str
     test: Test
+    lacking: bool
 
 
 class Rule(NamedTuple):
@@ -51,6 +52,7 @@ class CompiledShape:
     checks: tuple[Check, ...] = ()
     rules: tuple[Rule, ...] = ()
     properties: tuple[CompiledShape, ...] = ()
+    direct: NamedNode | None = None  # the path, where it is one property
 
     @property
     def speaks(self) -> bool:
@@ -69,16 +71,23 @@ class CompiledShape:
 
     def find(self, facts: Facts, focus: Term, found: list[ShapeResult]) -> None:
         """Append what ``focus`` violates to ``found``."""
-        values = (focus,) if self.walk is None else self.walk(facts, focus)
-        for check in self.checks:
-            bad = check.test(facts, focus, values)
-            if bad:
-                found += [self._result(check.component, focus, value) for value in bad]
+        self.find_among(facts, focus, (focus,) if self.walk is None else self.walk(facts, focus), found)
+
+    def find_among(self, facts: Facts, focus: Term, values: Values, found: list[ShapeResult]) -> None:
+        """:meth:`find` with the value nodes at hand."""
+        for component, test, lacking in self.checks:
+            if (values or lacking) and (bad := test(facts, focus, values)):
+                found += [self._result(component, focus, value) for value in bad]
         for rule in self.rules:
             found += self._solutions(rule, facts, focus)
         for nested in self.properties:
-            for value in values:
-                nested.find(facts, value, found)
+            if nested.direct is None:
+                for value in values:
+                    nested.find(facts, value, found)
+            else:
+                # Most paths are one property, whose values are found without a call.
+                for value in values:
+                    nested.find_among(facts, value, facts.about(value).get(nested.direct) or NOTHING, found)
 
     def _result(self, component: str, focus: Term, value: Term | Located | None) -> ShapeResult:
         message, severity, code, hint = self.said

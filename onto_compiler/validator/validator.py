@@ -26,6 +26,11 @@ class Target:
     subjects_of: frozenset[NamedNode] = frozenset()
     objects_of: frozenset[NamedNode] = frozenset()
 
+    @property
+    def elsewhere(self) -> bool:
+        """Whether it takes nodes for another reason than their class."""
+        return bool(self.nodes or self.subjects_of or self.objects_of)
+
     def by_types(self, vocabulary: Vocabulary, types: Iterable[Term]) -> bool:
         """Whether it takes a node of these types."""
         return any(each in vocabulary.subclasses(cls) for each in types for cls in self.classes)
@@ -68,8 +73,8 @@ class Validator:
             OntoError: SHP002, where a shape without a Python form cannot run.
 
         """
-        given = tuple(statements)
-        facts = Facts(self.vocabulary, given)
+        given = tuple(statements) if self.foreign else ()
+        facts = Facts(self.vocabulary, given or statements)
         found: list[ShapeResult] = []
         # Which shapes a combination of types meets is worked out once, for the vocabulary's own class tree.
         known = self._known if facts.vocabulary is self.vocabulary else {}
@@ -82,7 +87,7 @@ class Validator:
             for shape in shapes:
                 shape.find(facts, focus, found)
         for target, shape in self.shapes:
-            for focus in target.otherwise(facts):
+            for focus in target.otherwise(facts) if target.elsewhere else ():
                 shape.find(facts, focus, found)
         if self.foreign:
             found += self._foreign(facts, given)

@@ -14,7 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -183,8 +183,9 @@ def _aboxes(kind: str, count: int) -> Row:
 
 
 def _best(one: Bench, corpus: Sequence[Sequence[Triple]]) -> float:
-    """Seconds that all ABoxes take, statements to verdicts; the best of :data:`PASSES`."""
-    return min(_timed(lambda: [one.validator.validate(triples) for triples in corpus])[0] for _ in range(PASSES))
+    """Seconds that all ABoxes take, statements to verdicts: of each the best of :data:`PASSES`."""
+    least = (min(_timed(partial(one.validator.validate, triples))[0] for _ in range(PASSES)) for triples in corpus)
+    return round(sum(least), 6)
 
 
 def _graph(at_least: int) -> Row:

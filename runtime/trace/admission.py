@@ -6,15 +6,16 @@ from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from pathlib import Path
 
-from pyoxigraph import NamedNode, Quad
+from pyoxigraph import NamedNode, Quad, Store
 
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import shorten
 from onto_compiler.shapes import ShapeResult
-from onto_compiler.sources import load_store
+from onto_compiler.sources import collect, read_into
 from onto_compiler.validator.compile import compile_validator
 from onto_compiler.validator.facts import Term
 from onto_compiler.validator.validator import Validator
+from ontology import turtle_files
 from runtime.trace.names import RUNS
 
 __all__ = ["record_validator", "refuse_invalid"]
@@ -29,12 +30,23 @@ def record_validator(ontology: Sequence[Path | str] = ()) -> Validator:
         OntoError: as :func:`onto_compiler.sources.load_store`; SHP002, where a shape cannot run.
     """
     # A person's files may change while the process lives, the shipped ones do not.
-    return compile_validator(load_store(ontology)) if ontology else _shipped()
+    return compile_validator(_written(ontology)) if ontology else _shipped()
 
 
 @lru_cache(maxsize=1)
 def _shipped() -> Validator:
-    return compile_validator(load_store())
+    return compile_validator(_written(()))
+
+
+def _written(extra: Sequence[Path | str]) -> list[Quad]:
+    """The statements of the ontology with literals as the files spell them, which a store does not keep."""
+    written: list[Quad] = []
+    store, problems = Store(), []
+    for path in dict.fromkeys([*turtle_files(), *collect(extra)]):
+        problems += read_into(store, path, written=written)
+    if problems:
+        raise OntoError(*problems)
+    return written
 
 
 def refuse_invalid(validator: Validator, quads: Iterable[Quad]) -> None:

@@ -122,6 +122,18 @@ def test_a_property_shape_of_ones_own_is_enforced(tmp_path):
     assert problem.hint
 
 
+def test_a_literal_in_a_shape_is_the_one_that_the_file_spells(tmp_path):
+    own = tmp_path / "own.ttl"
+    shape = """own:Seed a sh:NodeShape ; sh:targetClass trace:Episode ;
+    sh:property [ sh:path trace:seed ; sh:in ( "%s"^^xsd:integer ) ] ."""
+    own.write_text(PREFIXES + shape % "007")
+    (problem,) = refused(tmp_path, samples.accepted(), own)
+    assert problem.code == "SHP001"
+    own.write_text(PREFIXES + shape % "7")
+    with TraceStore(tmp_path / "store", samples.SCHEMA, "run", ontology=[own]) as store:
+        assert store.add(samples.accepted()) in store.episodes()
+
+
 def test_a_query_of_ones_own_is_enforced(tmp_path):
     own = tmp_path / "own.ttl"
     own.write_text(

@@ -169,6 +169,29 @@ def lsp(result: dict[str, Any]) -> str:
     return "\n".join([*lines, "", _origin(result)])
 
 
+def fuzz(result: dict[str, Any]) -> str:
+    """What went in, and what became of it."""
+    m = result["metrics"]
+    lines = [_row("damaged files", "number"), _row("---", "---")]
+    for shown, number in (
+        ("all", f"{m['inputs']:,}"),
+        ("BDDL", f"{m['bddl']:,}"),
+        ("past the lexer", f"{m['past_lexer_share']:.1%}"),
+        ("Turtle through the whole of `onto check`", f"{m['checked']:,}"),
+        ("without a problem", f"{m['clean']:,}"),
+        ("ended in a traceback", str(m["tracebacks"])),
+        ("took more than 2 s", str(m["hangs"])),
+        ("with a problem that says no place", str(m["unplaced"])),
+        ("laid out as another task", str(m["round_trip_failures"])),
+    ):
+        lines.append(_row(shown, number))
+    note = (
+        f"{m['problems']:,} problems of {m['codes']} codes were told. The longest input took "
+        f"{m['worst_ms'] / 1000:.2f} s; the process never held more than {m['peak_mib']:.0f} MiB; {m['crashed']} blocks crashed."
+    )
+    return "\n".join([*lines, "", note, "", _origin(result)])
+
+
 def conformance(result: dict[str, Any]) -> str:
     """One line per suite."""
     suites = {"core/": "W3C, SHACL Core", "sparql/": "W3C, SHACL-SPARQL", "http": "DASH, rules"}
@@ -180,11 +203,32 @@ def conformance(result: dict[str, Any]) -> str:
     return "\n".join([*lines, "", note, "", _origin(result)])
 
 
+def compiler(result: dict[str, Any]) -> str:
+    """One line per figure of the registry's run."""
+    m = result["metrics"]
+    lines = [_row("figure", "value"), _row("---", "---")]
+    for shown, value in (
+        ("registered tasks", f"{m['registry_tasks']:,}"),
+        ("distinct files", f"{m['distinct_files']:,}"),
+        ("tasks with an error / with a warning", f"{m['tasks_with_errors']} / {m['tasks_with_warnings']:,}"),
+        ("required facts", f"{m['facts']:,}"),
+        ("cold, two processes", f"{m['cold_s']:.1f} s"),
+        ("warm", f"{m['warm_s']:.2f} s"),
+        ("peak memory, all processes", f"{m['peak_mib']:.0f} MiB"),
+        ("one file, one process", f"{m['ours_ms_per_file']:.2f} ms"),
+        ("one file, the naive way", f"{m['naive_ms_per_file']:.0f} ms ({m['naive_ratio']:.0f} times as long)"),
+    ):
+        lines.append(_row(shown, value))
+    return "\n".join([*lines, "", _origin(result)])
+
+
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "bddl": bddl,
     "check": check,
+    "compiler": compiler,
     "conformance": conformance,
     "demo": demo,
+    "fuzz": fuzz,
     "grounding": grounding,
     "lsp": lsp,
     "state_repair": state_repair,

@@ -10,7 +10,7 @@ import re
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import cast
+from typing import NamedTuple, cast
 
 from onto_compiler.problems import Span
 
@@ -21,8 +21,8 @@ _LOCAL = r"(?:[\w:\-\u00b7]|%[0-9A-Fa-f]{2}|\\[_~.\-!$&'()*+,;=/?\#@%]|\.++(?=[\
 _HEAD = r"[^\W\d](?:[\w\-\u00b7]|\.++(?=[\w\-\u00b7]))*+"
 _TOKEN = re.compile(
     r"""
-      (?P<space>\s+|\#[^\n\r]*)
-    | (?P<iri><(?:[^\x00-\x20<>"{}|^`\\]|\\u[0-9A-Fa-f]{4}|\\U[0-9A-Fa-f]{8})*>)
+    (?:\s++|\#[^\n\r]*+)*+(?:
+      (?P<iri><(?:[^\x00-\x20<>"{}|^`\\]|\\u[0-9A-Fa-f]{4}|\\U[0-9A-Fa-f]{8})*>)
     | (?P<string>\"{3}(?:\"{0,2}+(?:[^"\\]|\\.))*+\"{3}|'{3}(?:'{0,2}+(?:[^'\\]|\\.))*+'{3}
         |(?!\"{3}|'{3})(?:"(?:[^"\\\n\r]|\\.)*+"|'(?:[^'\\\n\r]|\\.)*+'))
     | (?P<unterminated>\"{3}|'{3}|"|')
@@ -40,7 +40,7 @@ _TOKEN = re.compile(
     + _HEAD
     + r""")
     | (?P<mark>.)
-    """,
+    )""",
     re.VERBOSE | re.DOTALL,
 )
 _LINE_END = re.compile(r"[\n\r]|\Z")
@@ -48,8 +48,7 @@ _ESCAPE = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|(.))", re.DOTALL
 _SIMPLE = {"t": "\t", "b": "\b", "n": "\n", "r": "\r", "f": "\f"}
 
 
-@dataclass(frozen=True, slots=True)
-class Token:
+class Token(NamedTuple):
     """``kind`` is a group name of the pattern above; ``start`` and ``end`` are offsets, the end exclusive."""
 
     kind: str
@@ -89,9 +88,9 @@ def tokens(text: str) -> Iterator[Token]:
     """Every token of ``text`` that is neither space nor a comment."""
     at = 0
     while (match := _TOKEN.match(text, at)) is not None:
-        kind, at = match.lastgroup or "mark", match.end()
-        if kind != "space":
-            yield Token(kind, match[0], match.start(), at)
+        kind = match.lastgroup or "mark"
+        start, at = match.span(kind)
+        yield Token(kind, match[kind], start, at)
         if kind == "unterminated":
             # What follows on the line is text that was meant to be quoted.
             at = cast("re.Match[str]", _LINE_END.search(text, at)).start()

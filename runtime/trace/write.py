@@ -23,7 +23,7 @@ from runtime.diagnosis import evidence_status
 from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
 from runtime.trace.names import LEVELS, MODES, OUTCOMES, SOURCES, entity_iri, episode_iri, run_iri
 
-__all__ = ["episode_quads"]
+__all__ = ["episode_quads", "required_quads"]
 
 Term = NamedNode | Literal | BlankNode
 Statement = tuple[str, str, Term]
@@ -71,6 +71,26 @@ def episode_quads(episode: Episode, schema: Schema, run: str) -> Iterator[Quad]:
         (final, _observation(final, required, facts, episode.final)),
         (final, _origin(final, maker, required, earlier)),
     ]
+    yield from _quads(graphs)
+
+
+def required_quads(required: RequiredABox, schema: Schema, top: str) -> Iterator[Quad]:
+    """Every statement about a required ABox and its premise, below the IRI ``top``, as an episode holds them.
+
+    Raises:
+        ValueError: where one name stands for entities of two types.
+    """
+    thresholds = frozenset(threshold.iri for threshold in schema.thresholds.values())
+    _one_type_per_name((*required.facts, *required.premise), thresholds)
+    facts, premise = f"{top}/required", f"{top}/premise"
+    graphs = [
+        (facts, _required(facts, top, required, thresholds)),
+        (premise, _facts(premise, top, required.premise, thresholds)),
+    ]
+    yield from _quads(graphs)
+
+
+def _quads(graphs: Iterable[tuple[str, Iterable[Statement]]]) -> Iterator[Quad]:
     for graph, statements in graphs:
         name = node(graph)
         for subject, predicate, term in statements:

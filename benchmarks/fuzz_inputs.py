@@ -328,8 +328,8 @@ def _nest(rng: random.Random, pieces: list[str], language: str) -> list[str]:
 
 
 def _huge(rng: random.Random, pieces: list[str], language: str) -> list[str]:
-    """A name, number or string of 10 kB to 100 kB, or of 1.2 MB; one that goes on, or one of many short pieces."""
-    size = rng.choice((10_000, 10_000, 10_000, 100_000)) if rng.random() < 0.97 else 1_200_000
+    """A name, number or string of 10 kB to 100 kB, or of 1.1 MB; one that goes on, or one of many short pieces."""
+    size = rng.choice((10_000, 10_000, 10_000, 100_000)) if rng.random() < 0.97 else 1_100_000
     unit = rng.choice(("a", "9", "0.", "a b ", "é", "\\n", "(a) ", "a\n"))
     text = unit * (size // len(unit))
     if language == TURTLE and rng.random() < 0.7:

@@ -187,7 +187,8 @@ def fuzz(result: dict[str, Any]) -> str:
         lines.append(_row(shown, number))
     note = (
         f"{m['problems']:,} problems of {m['codes']} codes were told. The longest input took "
-        f"{m['worst_ms'] / 1000:.2f} s; the process never held more than {m['peak_mib']:.0f} MiB; {m['crashed']} blocks crashed."
+        f"{m['worst_ms'] / 1000:.2f} s; the process never held more than {m['peak_mib']:.0f} MiB; "
+        f"{m['crashed']} blocks crashed."
     )
     return "\n".join([*lines, "", note, "", _origin(result)])
 

@@ -137,8 +137,9 @@ class _Walker:
                 self.statement()
             except (_Unreadable, ValueError):  # Oxigraph's word for what is no IRI or no language tag
                 self.at = max(self.at, begin + 1)
-                while self.at < len(self.tokens) and self.next().text != ".":
-                    pass
+                while self.at < len(self.tokens) and self.tokens[self.at].text != ".":
+                    self.at += 1
+                self.at += 1
 
     # Tokens
 

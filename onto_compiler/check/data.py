@@ -22,6 +22,7 @@ from onto_compiler.shacl.graph import Graph
 from onto_compiler.shacl.model import ShapeFault, ShapeResult
 from onto_compiler.shacl.validate import validate_graph
 from onto_compiler.sources import MANY, parse_problem
+from onto_compiler.validator.engine import with_implications
 
 __all__ = ["ENDINGS", "Document", "check_data"]
 
@@ -78,7 +79,7 @@ def check_data(paths: Sequence[Path | str], shapes: Sequence[Path | str]) -> Rep
 
 def _validate(data: Graph, shapes: Graph) -> tuple[tuple[ShapeResult, ...], list[ShapeFault]]:
     faults: list[ShapeFault] = []
-    return validate_graph(data, compile_graph(shapes, faults), faults), faults
+    return validate_graph(data, with_implications(compile_graph(shapes, faults)), faults), faults
 
 
 def _graph(documents: Iterable[Document]) -> Graph:

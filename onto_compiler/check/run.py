@@ -20,6 +20,7 @@ from onto_compiler.rdf import SH, shorten
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.model import ShapeFault, ShapeResult
 from onto_compiler.shacl.validate import validate_graph
+from onto_compiler.validator.engine import with_implications
 
 __all__ = ["Report", "check", "check_model"]
 
@@ -64,7 +65,7 @@ def check_model(model: Model) -> tuple[Problem, ...]:
 
 def _shape_findings(model: Model) -> Iterator[Finding]:
     faults: list[ShapeFault] = []
-    shapes = compile_graph(model.graph, faults)
+    shapes = with_implications(compile_graph(model.graph, faults))
     for result in validate_graph(model.graph, shapes, faults):
         yield _finding(result)
     for fault in faults:

@@ -8,17 +8,35 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
+from typing import Protocol
 
 from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.rdf import CORE, TRACE, node
-from onto_compiler.validator.facts import Facts, Term
+from onto_compiler.validator.facts import Term, Values
 from onto_compiler.validator.literals import number
 
 __all__ = ["IMPLICATIONS", "Implication", "query_key"]
 
+
+class Known(Protocol):
+    """What an implication asks of statements: facts of single records, or a graph that the engine validates."""
+
+    def values(self, subject: Term, predicate: NamedNode) -> Values:
+        """The objects of ``predicate`` that ``subject`` has."""
+        ...
+
+    def subjects(self, predicate: NamedNode, value: Term) -> Values:
+        """The subjects that have ``value`` for ``predicate``."""
+        ...
+
+    def is_a(self, value: Term, cls: Term) -> bool:
+        """Whether ``value`` has ``cls`` or a class below it for a type."""
+        ...
+
+
 Solution = Mapping[str, Term]
-Implication = Callable[[Facts, Term], Iterator[Solution]]
+Implication = Callable[[Known, Term], Iterator[Solution]]
 
 _PREDICATE, _FIRST, _SECOND, _DOMAIN, _RANGE, _ARITY, _FACT, _ROUTE, _FAILURE, _ADMITS, _SUPPORTS = (
     node(CORE + name)
@@ -40,7 +58,7 @@ def query_key(select: str) -> str:
 def _argument(argument: NamedNode, wants: NamedNode) -> Implication:
     """Predicate consistency: the argument is of the class that the predicate declares for it."""
 
-    def implication(facts: Facts, focus: Term) -> Iterator[Solution]:
+    def implication(facts: Known, focus: Term) -> Iterator[Solution]:
         for predicate in facts.values(focus, _PREDICATE):
             for wanted in facts.values(predicate, wants):
                 for value in facts.values(focus, argument):
@@ -50,7 +68,7 @@ def _argument(argument: NamedNode, wants: NamedNode) -> Implication:
     return implication
 
 
-def _arity(facts: Facts, focus: Term) -> Iterator[Solution]:
+def _arity(facts: Known, focus: Term) -> Iterator[Solution]:
     """Predicate consistency: as many arguments as the predicate declares."""
     second = bool(facts.values(focus, _SECOND))
     for predicate in facts.values(focus, _PREDICATE):
@@ -60,7 +78,7 @@ def _arity(facts: Facts, focus: Term) -> Iterator[Solution]:
                 yield {"value": predicate, "arity": arity, "path": _PREDICATE}
 
 
-def _preserved(facts: Facts, focus: Term) -> Iterator[Solution]:
+def _preserved(facts: Known, focus: Term) -> Iterator[Solution]:
     """Argument preservation: a diagnosis speaks of a fact of its episode's required ABox."""
     attempts = dict.fromkeys(facts.subjects(_DIAGNOSIS, focus))
     for decision in facts.subjects(_OF, focus):
@@ -74,7 +92,7 @@ def _preserved(facts: Facts, focus: Term) -> Iterator[Solution]:
                         yield {"value": value, "attempt": attempt, "required": required, "path": _FACT}
 
 
-def _compatible(facts: Facts, focus: Term) -> Iterator[Solution]:
+def _compatible(facts: Known, focus: Term) -> Iterator[Solution]:
     """Compatible routing: the route admits the failure and supports the predicate's kind."""
     for route in facts.values(focus, _ROUTE):
         admitted, kinds = facts.values(route, _ADMITS), facts.values(route, _SUPPORTS)

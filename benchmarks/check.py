@@ -7,20 +7,18 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import median
 
+from benchmarks.program import onto
 from benchmarks.protocol import Protocol, Row, Trial
 
 __all__ = ["CHECK"]
 
 BROKEN = Path(__file__).resolve().parent.parent / "tests" / "onto_compiler" / "check" / "broken"
 RUNS = {True: 15, False: 3}
-_PROGRAM = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
 _EXPECT = re.compile(r"(\w+) (\d+):(\d+)")
 
 
@@ -40,21 +38,16 @@ def run(trial: Trial) -> list[Row]:
     common = {"mode": "none", "sees": "none"}
     if "arguments" in trial:
         started = time.perf_counter()
-        done = _onto(*trial["arguments"])
+        done = onto(*trial["arguments"])
         wall = time.perf_counter() - started
         problems = len(json.loads(done.stdout)["problems"]) if trial["arguments"][0] == "check" else 0
         return [{**common, "wall_s": round(wall, 4), "exit": done.returncode, "problems": problems}]
     file = BROKEN / trial["file"]
     first = file.read_bytes().partition(b"\n")[0].decode()
     expected = sorted([code, int(line), int(column)] for code, line, column in _EXPECT.findall(first))
-    done = _onto("check", str(file), "--json", "--fail-on", "warning")
+    done = onto("check", str(file), "--json", "--fail-on", "warning")
     found = sorted([p["code"], p["line"], p["column"]] for p in json.loads(done.stdout)["problems"])
     return [{**common, "expected": expected, "found": found, "exact": expected == found and done.returncode == 1}]
-
-
-def _onto(*arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", _PROGRAM, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - our own program
 
 
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:

@@ -6,17 +6,14 @@ What LIBERO accepts before a correction is the baseline of the same run (``initi
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
 
+from benchmarks.program import onto
 from benchmarks.protocol import Protocol, Row, Trial
 
 __all__ = ["DEMO"]
-
-_PROGRAM = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
 
 
 def trials(full: bool) -> list[Trial]:  # noqa: ARG001, FBT001 - the protocol's signature; there is one size
@@ -32,8 +29,7 @@ def run(trial: Trial) -> list[Row]:  # noqa: ARG001 - the protocol's signature
     """
     with tempfile.TemporaryDirectory() as folder:
         started = time.perf_counter()
-        command = [sys.executable, "-c", _PROGRAM, "demo", "--json", "--out", folder]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - our own program
+        done = onto("demo", "--json", "--out", folder)
         wall = time.perf_counter() - started
     if done.returncode not in {0, 1}:
         raise RuntimeError(done.stderr.strip())

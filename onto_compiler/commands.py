@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
-from onto_compiler.problems import OntoError, Problem, render
+from onto_compiler.problems import OntoError, Problem, render_all
 from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import local_name
 
@@ -42,7 +42,7 @@ def _run(options: argparse.Namespace) -> int:
         print_json({"tasks": tasks, "problems": [problem.as_dict() for problem in problems]})
     else:
         sys.stdout.write("\n\n".join(_text(abox) for abox in compiled) + "\n" if compiled else "")
-        sys.stderr.write("".join(render(problem, _source(problem.file)) + "\n" for problem in problems))
+        sys.stderr.write(render_all(problems))
     return FINDINGS if any(problem.severity == "error" for problem in problems) else CLEAN
 
 
@@ -92,14 +92,6 @@ def _line(fact: Fact) -> str:
     sign = "" if fact.polarity else "not "
     place = f"line {fact.span.line}" if fact.span else ""
     return f"    {sign}{local_name(fact.predicate)}({typed})\n        from {fact.native}, {place}".rstrip(", ")
-
-
-def _source(file: str) -> str | None:
-    try:
-        with open(file, encoding="utf-8") as source:  # noqa: PTH123 - a name that may be empty or no path at all
-            return source.read()
-    except (OSError, UnicodeDecodeError):
-        return None
 
 
 COMPILE = Command(

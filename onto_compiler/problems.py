@@ -10,8 +10,9 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 
-__all__ = ["OntoError", "Problem", "Span", "clipped", "near", "render"]
+__all__ = ["OntoError", "Problem", "Span", "clipped", "near", "render", "render_all"]
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -95,3 +96,17 @@ def render(problem: Problem, source: str | None = None) -> str:
     if problem.hint:
         lines.append(f"   = help: {problem.hint}")
     return "\n".join(lines)
+
+
+def render_all(problems: Iterable[Problem]) -> str:
+    """Every problem as :func:`render` prints it, each file that can be read being read once; ends with a line end."""
+    found = tuple(problems)
+    sources = {file: _source(file) for file in {problem.file for problem in found if problem.line}}
+    return "".join(f"{render(problem, sources.get(problem.file))}\n" for problem in found)
+
+
+def _source(file: str) -> str | None:
+    try:
+        return Path(file).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError, ValueError):
+        return None

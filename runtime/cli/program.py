@@ -7,10 +7,9 @@ import sys
 import traceback
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 
 from onto_compiler.command import CLEAN, MISUSE, print_json
-from onto_compiler.problems import OntoError, render
+from onto_compiler.problems import OntoError, render_all
 from runtime.cli.discovery import advice, installed, load
 from runtime.cli.parser import overview, parser_of
 
@@ -85,16 +84,8 @@ def _report(error: OntoError, *, as_json: bool) -> int:
     if as_json:
         print_json({"problems": [problem.as_dict() for problem in error.problems]})
     else:
-        sources = {problem.file: _source(problem.file) for problem in error.problems if problem.line}
-        sys.stderr.write("\n".join(render(problem, sources.get(problem.file)) for problem in error.problems) + "\n")
+        sys.stderr.write(render_all(error.problems))
     return MISUSE
-
-
-def _source(file: str) -> str | None:
-    try:
-        return Path(file).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError, ValueError):
-        return None
 
 
 def _missing(error: ImportError, arguments: Sequence[str]) -> int:

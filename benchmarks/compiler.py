@@ -7,35 +7,28 @@ same run: the scanner of the ``bddl`` package as LIBERO calls it, rdflib, and py
 
 from __future__ import annotations
 
-import hashlib
 import random
 import resource
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from functools import lru_cache
-from multiprocessing import get_context
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import ontology
 from benchmarks.protocol import Protocol, Row, Trial
 from benchmarks.registry import Registered, registry
+from onto_compiler.batch import Verdict, compile_files
 from onto_compiler.bddl import lift, parse_file
-from onto_compiler.cache import VerdictCache, digest
 from onto_compiler.compile_schema import load_schema
-from onto_compiler.problems import OntoError
 from onto_compiler.rdf import BASE
-from runtime.trace.admission import record_validator
-from runtime.trace.write import required_quads
+from onto_compiler.required_rdf import required_quads
 
 __all__ = ["COMPILER"]
 
 SEED = 0
 SAMPLE = {True: 200, False: 5}
 JOBS = 2
-CHUNK = 64
 _KIND = {"mode": "none", "sees": "none"}
 
 
@@ -48,7 +41,7 @@ def run(trial: Trial) -> list[Row]:
     """One row per registered name, and one per phase with its seconds."""
     tasks = registry()  # downloads the archive where it is not there yet, before anything is timed
     with tempfile.TemporaryDirectory() as folder:
-        cache = Path(folder) / "verdicts.json"
+        cache = Path(folder)
         cold, verdicts = _timed(cache)
         warm, again = _timed(cache)
     if verdicts != again:
@@ -65,65 +58,34 @@ def run(trial: Trial) -> list[Row]:
     return [{**_KIND, **row} for row in (*phases, *names)]
 
 
-def _timed(cache: Path) -> tuple[float, dict[str, Any]]:
+def _timed(cache: Path) -> tuple[float, dict[Path, Verdict]]:
     """The whole job as one command does it, reading the registry included: seconds, and the verdict of each file."""
     started = time.perf_counter()
     files = sorted({task.file for task in registry() if task.file is not None})
-    kept = VerdictCache(cache, digest(ontology.turtle_files()))
-    keys = {file: hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
-    todo = list({key: file for file, key in keys.items() if kept.get(key) is None}.items())
-    if todo:
-        chunks = [todo[i : i + CHUNK] for i in range(0, len(todo), CHUNK)]
-        with ProcessPoolExecutor(JOBS, mp_context=get_context("spawn")) as pool:
-            for found in pool.map(_compile_all, chunks):
-                kept.add(found)
-        kept.save()
-    verdicts = {str(file): kept.get(key) for file, key in keys.items()}
-    return time.perf_counter() - started, verdicts
+    verdicts = compile_files(files, jobs=JOBS, cache=cache).verdicts
+    return time.perf_counter() - started, {file: replace(verdict, cached=False) for file, verdict in verdicts.items()}
 
 
-def _compile_all(files: Sequence[tuple[str, Path]]) -> dict[str, Any]:
-    return {key: _compile(file) for key, file in files}
-
-
-def _compile(file: Path) -> dict[str, Any]:
-    """The verdict on one file: how many facts it lifts to, and every problem's code."""
-    schema = load_schema()
-    try:
-        abox, warnings = lift(parse_file(file), schema, file.stem)
-    except OntoError as error:
-        return {"facts": 0, "premise": 0, "errors": [p.code for p in error.problems if p.severity == "error"]}
-    results = _validator().validate(required_quads(abox, schema, f"{BASE}run/compiler/{file.stem}"))
-    return {
-        "facts": len(abox.facts),
-        "premise": len(abox.premise),
-        "errors": [result.shape for result in results],
-        "warnings": [problem.code for problem in warnings],
+def _named(task: Registered, verdicts: Mapping[Path, Verdict]) -> Row:
+    verdict = verdicts[task.file] if task.file is not None else Verdict()
+    codes = {
+        severity: [problem.code for problem in verdict.problems if problem.severity == severity]
+        for severity in ("error", "warning")
     }
-
-
-@lru_cache(maxsize=1)
-def _validator() -> Any:  # noqa: ANN401 - see runtime.trace.admission
-    return record_validator()
-
-
-def _named(task: Registered, verdicts: Mapping[str, Any]) -> Row:
-    verdict = verdicts.get(str(task.file)) or {"facts": 0, "errors": ["no file"]}
     return {
         "name": f"{task.suite}/{task.name}",
         "file": f"{task.suite}/{task.file.stem}" if task.file else None,
-        "facts": verdict["facts"],
-        "errors": verdict["errors"] + ([] if task.known else ["unknown perturbation"]),
-        "warnings": verdict.get("warnings", []),
+        "facts": verdict.facts,
+        "errors": codes["error"] + ["no file"] * (task.file is None) + ["unknown perturbation"] * (not task.known),
+        "warnings": codes["warning"],
     }
 
 
 def _ours(sample: Sequence[Path]) -> float:
     """Seconds for ``sample`` in this one process, without a cache, everything loaded."""
-    _compile(sample[0])
+    compile_files(sample[:1])
     started = time.perf_counter()
-    for file in sample:
-        _compile(file)
+    compile_files(sample)
     return time.perf_counter() - started
 
 

@@ -1,65 +1,134 @@
-"""What was compiled once, under the same ontology and by the same compiler, need not be compiled again."""
+"""What was compiled once, under the same ontology and by the same compiler, need not be compiled again.
+
+A cache is one file for each ``digest``. It is written anew beside the old one and put in its place, so that a reader
+sees one or the other; a file whose checksum does not fit what it holds counts as none.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
+import os
+import sys
+import tempfile
 from collections.abc import Iterable, Mapping
-from importlib.metadata import PackageNotFoundError, version
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-__all__ = ["VerdictCache", "digest"]
+from onto_compiler.versions import version_of
+
+__all__ = ["VerdictCache", "cache_folder", "digest"]
 
 _COMPILER = Path(__file__).parent
+_KEPT = 16  # files; as many ontologies, or versions of one, can take turns
 
 
 def digest(files: Iterable[Path]) -> str:
-    """A SHA-256 over the bytes of ``files``, this package's own sources, and the versions that decide a verdict."""
-    sources = [*files, *_COMPILER.rglob("*.py"), *_COMPILER.rglob("*.lark")]
-    total = hashlib.sha256()
+    """A SHA-256 over what decides a verdict: ``files`` and their places, this package's sources, the versions.
+
+    A file's place counts since relative IRIs in it start there.
+
+    Raises:
+        OSError: where a file cannot be read.
+    """
+    total = hashlib.sha256(f"python {sys.version_info[:3]}\n".encode())
     for name in ("onto-evwm", "lark", "pyoxigraph"):
-        total.update(f"{name} {_version(name)}\n".encode())
-    for path in sorted(set(sources)):
+        total.update(f"{name} {version_of(name)}\n".encode())
+    for path in sorted({*_COMPILER.rglob("*.py"), *_COMPILER.rglob("*.lark")}):
         total.update(hashlib.sha256(path.read_bytes()).digest())
+    for path in sorted({file.resolve() for file in files}):
+        total.update(f"{path.as_uri()} {hashlib.sha256(path.read_bytes()).hexdigest()}\n".encode())
     return total.hexdigest()
 
 
-def _version(package: str) -> str:
+def cache_folder() -> Path | None:
+    """Where this system keeps a person's caches, in a folder of our own; None where there is no home."""
     try:
-        return version(package)
-    except PackageNotFoundError:
-        return ""
+        home = Path.home()
+    except RuntimeError:
+        return None
+    if sys.platform == "win32":
+        base = Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        base = home / "Library" / "Caches"
+    else:
+        given = Path(os.environ.get("XDG_CACHE_HOME", ""))
+        base = given if given.is_absolute() else home / ".cache"  # XDG: a relative path is to be ignored
+    return base / "onto-evwm"
 
 
 class VerdictCache:
-    """JSON verdicts by the SHA-256 of a file's content, kept in one file; another ``digest`` starts an empty one."""
+    """JSON verdicts by key in one file of ``folder``, for one ``digest``."""
 
-    def __init__(self, path: Path, digest: str) -> None:
-        """Read what ``path`` holds, if it was written under the same ``digest``; a damaged file counts as empty."""
-        self.path, self.digest = path, digest
-        self._verdicts: dict[str, Any] = {}
-        try:
-            kept = json.loads(path.read_text(encoding="utf-8"))
-            if kept["digest"] == digest:
-                self._verdicts = dict(kept["verdicts"])
-        except (OSError, ValueError, KeyError, TypeError):
-            self._verdicts = {}
+    def __init__(self, folder: Path, digest: str) -> None:
+        """Read what is kept for ``digest``; a damaged file counts as empty, and :attr:`damaged` says so."""
+        self.folder, self.digest = folder, digest
+        self.path = folder / f"verdicts-{digest[:32]}.json"
+        kept = self._read()
+        self.damaged = kept is None
+        self._verdicts = kept or {}
+        self._fresh: dict[str, Any] = {}
 
     def __len__(self) -> int:
         return len(self._verdicts)
 
     def get(self, key: str) -> Any | None:  # noqa: ANN401 - whatever JSON holds
-        """The verdict kept for the content hash ``key``, or None."""
+        """The verdict kept for ``key``, or None."""
         return self._verdicts.get(key)
 
     def add(self, verdicts: Mapping[str, Any]) -> None:
-        """Add ``verdicts`` by content hash; :meth:`save` writes them."""
+        """Add ``verdicts`` by key; :meth:`save` writes them."""
         self._verdicts.update(verdicts)
+        self._fresh.update(verdicts)
 
     def save(self) -> None:
-        """Write the file anew, whole or not at all."""
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        partial = self.path.with_suffix(".partial")
-        partial.write_text(json.dumps({"digest": self.digest, "verdicts": self._verdicts}), encoding="utf-8")
-        partial.replace(self.path)
+        """Write the file anew, whole or not at all, with what another process has added meanwhile.
+
+        Raises:
+            OSError: where the folder or the file cannot be written.
+        """
+        if not self._fresh:
+            return
+        self.folder.mkdir(parents=True, exist_ok=True)
+        verdicts = json.dumps({**(self._read() or {}), **self._verdicts})
+        head = json.dumps({"digest": self.digest, "sha256": _checksum(verdicts)})
+        # A name of its own for each writer: two that share one would write into each other's file.
+        handle, partial = tempfile.mkstemp(prefix=f"{self.path.stem}-", suffix=".partial", dir=self.folder)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8") as file:
+                file.write(f"{head}\n{verdicts}\n")
+            Path(partial).replace(self.path)
+        except BaseException:
+            Path(partial).unlink(missing_ok=True)
+            raise
+        self._fresh.clear()
+        self._prune()
+
+    def _read(self) -> dict[str, Any] | None:
+        """The verdicts on disk; None where the file is damaged."""
+        try:
+            head, _, verdicts = self.path.read_text(encoding="utf-8").partition("\n")
+        except UnicodeDecodeError:
+            return None
+        except OSError:  # not there yet, or not ours to read: saving says so where it matters
+            return {}
+        try:
+            expected, found = json.loads(head), verdicts.removesuffix("\n")
+            if expected != {"digest": self.digest, "sha256": _checksum(found)}:
+                return None
+            kept: dict[str, Any] = json.loads(found)
+        except (ValueError, RecursionError):
+            return None
+        return kept
+
+    def _prune(self) -> None:
+        """Remove all but the newest files, which an ontology or a compiler of long ago wrote."""
+        with suppress(OSError):  # another process may be removing them, too
+            files = sorted(self.folder.glob("verdicts-*.json"), key=lambda file: file.stat().st_mtime, reverse=True)
+            for old in files[_KEPT:]:
+                old.unlink(missing_ok=True)
+
+
+def _checksum(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

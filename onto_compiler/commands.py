@@ -1,27 +1,93 @@
-"""``onto compile``: a task file in, its typed required ABox out."""
+"""``onto compile``: a task file in, its typed required ABox out; folders of them in, a verdict on each out."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from onto_compiler.check.formats import FORMATS, Checked, render
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
 from onto_compiler.problems import OntoError, Problem, render_all
 from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import local_name
 
-__all__ = ["COMPILE"]
+if TYPE_CHECKING:
+    from onto_compiler.batch import Batch
+
+__all__ = ["COMPILE", "abox_record", "batch_record"]
+
+REPORTS = tuple(name for name in FORMATS if name not in {"text", "json"})
 
 SHOWN_WAYS = 8  # how many alternatives of a goal are written out
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("paths", nargs="+", metavar="TASK.bddl", help="task files")
+    parser.add_argument(
+        "paths",
+        nargs="+",
+        metavar="PATH",
+        help="task files; of folders, and with --jobs, every *.bddl is validated too, and only problems are printed",
+    )
     add_ontology(parser)
-    add_format(parser)
+    parser.add_argument("--jobs", type=int, metavar="N", help="worker processes (default: one for each processor)")
+    kept = parser.add_mutually_exclusive_group()
+    kept.add_argument(
+        "--cache", type=Path, metavar="FOLDER", help="where verdicts are kept (default: the user's cache)"
+    )
+    kept.add_argument("--no-cache", action="store_true", help="compile every file anew, and keep nothing")
+    add_format(parser, *REPORTS)
 
 
 def _run(options: argparse.Namespace) -> int:
+    if options.jobs is not None and options.jobs < 1:
+        raise OntoError.of("CLI002", f"--jobs must be at least 1, and is {options.jobs}", "leave it out")
+    whole = options.jobs is not None or options.format in REPORTS
+    return _batch(options) if whole or any(Path(path).is_dir() for path in options.paths) else _each(options)
+
+
+def _batch(options: argparse.Namespace) -> int:
+    from onto_compiler.batch import available_jobs, compile_files, task_files  # noqa: PLC0415 - as in _each
+    from onto_compiler.cache import cache_folder  # noqa: PLC0415
+
+    begin = time.perf_counter()
+    files = task_files(options.paths)
+    cache = None if options.no_cache else options.cache or cache_folder()
+    batch = compile_files(files, options.ontology, jobs=options.jobs or available_jobs(), cache=cache)
+    if options.format == "json":
+        print_json(batch_record(batch))
+    else:
+        checked = Checked(batch.problems, tuple(map(str, batch.verdicts)))
+        sys.stdout.write(render(options.format, checked))
+    for remark in batch.remarks:
+        sys.stderr.write(f"onto compile: {remark}\n")
+    total = batch.summary
+    sys.stderr.write(
+        f"{total['files']:,} {'file' if total['files'] == 1 else 'files'}: {total['compiled']:,} compiled, "
+        f"{total['failed']:,} failed ({total['cached']:,} from cache), {time.perf_counter() - begin:.2f} s\n"
+    )
+    return FINDINGS if total["failed"] else CLEAN
+
+
+def batch_record(batch: Batch) -> dict[str, object]:
+    """A batch as JSON has it."""
+    files = [
+        {
+            "file": str(file),
+            "compiled": verdict.compiled,
+            "facts": verdict.facts,
+            "premise": verdict.premise,
+            "alternatives": verdict.alternatives,
+            "cached": verdict.cached,
+        }
+        for file, verdict in batch.verdicts.items()
+    ]
+    return {"files": files, "summary": batch.summary, "problems": [problem.as_dict() for problem in batch.problems]}
+
+
+def _each(options: argparse.Namespace) -> int:
     from onto_compiler.bddl import lift, parse_file  # noqa: PLC0415 - heavy imports wait for the command to run
     from onto_compiler.compile_schema import load_schema  # noqa: PLC0415
 

@@ -17,7 +17,7 @@ from onto_compiler.bddl.expected import syntax_problem
 from onto_compiler.bddl.groups import MAX_DEPTH, Group, groups, too_deep, unbalanced
 from onto_compiler.problems import OntoError, Problem, Span, near
 
-__all__ = ["parse", "parse_domain", "parse_file", "read_text"]
+__all__ = ["decode", "parse", "parse_domain", "parse_file", "read_bytes", "read_text"]
 
 # Tasks that people write have up to 12,000 characters, and words of up to 80.
 MAX_SIZE = 65_536
@@ -38,17 +38,26 @@ def parse_file(path: str | Path) -> TaskSpec:
 
 def read_text(path: Path) -> str:
     """The text of the file at ``path``; raises BDDL004 where it cannot be read or is not UTF-8."""
+    return decode(read_bytes(path), str(path))
+
+
+def read_bytes(path: Path) -> bytes:
+    """What the file at ``path`` holds; raises BDDL004 where it cannot be read."""
     try:
-        data = path.read_bytes()
+        return path.read_bytes()
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         hint = near(path.name, _neighbours(path)) if not path.exists() else ""
         raise OntoError.of(codes.UNREADABLE, f"the task file cannot be read: {reason}", hint, str(path)) from None
+
+
+def decode(data: bytes, file: str) -> str:
+    """The text that ``data``, the content of ``file``, stands for; raises BDDL004 where it is not UTF-8."""
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError as error:
         before = data[: error.start].decode("utf-8")
-        span = _point(str(path), before + "?", len(before))
+        span = _point(file, before + "?", len(before))
         message = f"byte 0x{data[error.start]:02x} is not UTF-8"
         hint = "save the file with the encoding UTF-8"
         raise OntoError(Problem.at(span, codes.UNREADABLE, message, hint)) from None

@@ -195,6 +195,25 @@ RECORDS: Mapping[str, Record] = {
         "What `onto compile --json` prints.",
         {"tasks": Field("list:RequiredABox", GRAPH), "problems": Field("list:Problem")},
     ),
+    "Verdict": Record(
+        "What a task file came to in a batch: how much it asks for, and whether the cache knew.",
+        {
+            "file": Field("string"),
+            "compiled": Field("boolean"),
+            "facts": Field("integer"),
+            "premise": Field("integer"),
+            "alternatives": Field("integer"),
+            "cached": Field("boolean"),
+        },
+    ),
+    "Summary": Record(
+        "How many files a batch had, and what they came to.",
+        {name: Field("integer") for name in ("files", "compiled", "failed", "cached")},
+    ),
+    "Batch": Record(
+        "What `onto compile FOLDER --json` prints.",
+        {"files": Field("list:Verdict"), "summary": Field("record:Summary"), "problems": Field("list:Problem")},
+    ),
     "Grounding": Record(
         "What `onto ground --json` prints.",
         {
@@ -225,4 +244,4 @@ RECORDS: Mapping[str, Record] = {
         },
     ),
 }
-DOCUMENTS = ("Compilation", "Grounding", "Diagnoses", "Episode", "Demonstration")  # what commands print
+DOCUMENTS = ("Compilation", "Batch", "Grounding", "Diagnoses", "Episode", "Demonstration")  # what commands print

@@ -6,10 +6,10 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
-from importlib.metadata import PackageNotFoundError, version
 
 from onto_compiler.command import CLEAN, MISUSE, print_json
 from onto_compiler.problems import OntoError, render_all
+from onto_compiler.versions import version_of
 from runtime.cli.discovery import advice, installed, load
 from runtime.cli.parser import overview, parser_of
 
@@ -55,7 +55,7 @@ def _run(arguments: list[str]) -> int:
         sys.stdout.write(overview(points))
         return CLEAN
     if name in {"-V", "--version"}:
-        sys.stdout.write(f"onto {_version()}\n")
+        sys.stdout.write(f"onto {version_of('onto-evwm') or '(not installed)'}\n")
         return CLEAN
     if name.startswith("-"):
         raise OntoError.of("CLI002", f"the option `{name}` stands before a command", "write `onto COMMAND [OPTIONS]`")
@@ -65,13 +65,6 @@ def _run(arguments: list[str]) -> int:
     except SystemExit as leave:  # argparse leaves the process after --help
         return int(leave.code or CLEAN)
     return command.run(options)
-
-
-def _version() -> str:
-    try:
-        return version("onto-evwm")
-    except PackageNotFoundError:
-        return "(not installed)"
 
 
 def _wants_json(arguments: Sequence[str]) -> bool:

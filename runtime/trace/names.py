@@ -15,7 +15,6 @@ __all__ = [
     "OUTCOMES",
     "RUNS",
     "SOURCES",
-    "entity_iri",
     "episode_iri",
     "inverse",
     "run_iri",
@@ -44,11 +43,6 @@ def run_iri(run: str) -> str:
 def episode_iri(run: str, suite: str, task: str, state_index: int) -> str:
     """The IRI of an episode, which is also the name of its own graph."""
     return f"{run_iri(run)}/episode/{quote(suite, safe='')}/{quote(task, safe='')}/{state_index}"
-
-
-def entity_iri(episode: str, name: str) -> str:
-    """The IRI of an argument in its episode: ``plate_1`` of two scenes is two things."""
-    return f"{episode}/entity/{quote(name, safe='')}"
 
 
 def inverse(table: dict[str, str]) -> dict[str, str]:

@@ -18,8 +18,9 @@ from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, serializ
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import ALIGNED, PREFIXES, RDF, TRACE, node
 from onto_compiler.schema import Schema
+from onto_compiler.validator.records import record_validator
 from runtime.records import Episode
-from runtime.trace.admission import record_validator, refuse_invalid
+from runtime.trace.admission import refuse_invalid
 from runtime.trace.names import RUNS, episode_iri
 from runtime.trace.read import episode_iris, read_episode
 from runtime.trace.sparql import Answer, ask

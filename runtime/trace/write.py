@@ -11,25 +11,21 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isnan
 
-from pyoxigraph import BlankNode, Literal, NamedNode, Quad
+from pyoxigraph import Quad
 
 from grounding.observation import Observation
-from onto_compiler.problems import Span
-from onto_compiler.rdf import CORE, PROV, RDF, RDFS, TRACE, boolean, double, integer, node
-from onto_compiler.required import Entity, Fact, RequiredABox
+from onto_compiler.rdf import CORE, PROV, TRACE, node
+from onto_compiler.required import Fact
+from onto_compiler.required_rdf import fact_statements, refuse_two_types, required_statements, thresholds_of
 from onto_compiler.schema import Schema
+from onto_compiler.statements import Statement, describe, link, quads_of
 from onto_compiler.tables import STATUSES
 from runtime.diagnosis import evidence_status
 from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
-from runtime.trace.names import LEVELS, MODES, OUTCOMES, SOURCES, entity_iri, episode_iri, run_iri
+from runtime.trace.names import LEVELS, MODES, OUTCOMES, SOURCES, episode_iri, run_iri
 
-__all__ = ["episode_quads", "required_quads"]
+__all__ = ["episode_quads"]
 
-Term = NamedNode | Literal | BlankNode
-Statement = tuple[str, str, Term]
-Value = str | bool | int | float | Term | None
-
-_TYPE = RDF + "type"
 _DERIVED, _GENERATED, _USED, _INFORMED = (
     PROV + name for name in ("wasDerivedFrom", "wasGeneratedBy", "used", "wasInformedBy")
 )
@@ -42,16 +38,16 @@ def episode_quads(episode: Episode, schema: Schema, run: str) -> Iterator[Quad]:
         ValueError: where one name stands for entities of two types, or an atom does not read back as it was written.
     """
     top = episode_iri(run, episode.suite, episode.task, episode.state_index)
-    thresholds = frozenset(threshold.iri for threshold in schema.thresholds.values())
+    thresholds = thresholds_of(schema)
     # A proposer gives its route by name or by IRI.
     routes = {key: route.iri for route in schema.routes.values() for key in (route.name, route.iri)}
-    _one_type_per_name((*episode.required.facts, *episode.required.premise), thresholds)
+    refuse_two_types((*episode.required.facts, *episode.required.premise), thresholds)
     required, premise = f"{top}/required", f"{top}/premise"
     facts, declared = episode.required.facts, episode.required.premise
     graphs: list[tuple[str, Iterable[Statement]]] = [
         (top, _episode(top, episode, run)),
-        (required, _required(required, top, episode.required, thresholds)),
-        (premise, _facts(premise, top, declared, thresholds)),
+        (required, required_statements(required, top, episode.required, thresholds)),
+        (premise, fact_statements(premise, top, declared, thresholds)),
         (premise, _observation(premise, premise, declared, episode.premise)),
         (premise, _origin(premise, top, required)),
         (f"{top}/initial", _observation(f"{top}/initial", required, facts, episode.initial)),
@@ -71,64 +67,16 @@ def episode_quads(episode: Episode, schema: Schema, run: str) -> Iterator[Quad]:
         (final, _observation(final, required, facts, episode.final)),
         (final, _origin(final, maker, required, earlier)),
     ]
-    yield from _quads(graphs)
-
-
-def required_quads(required: RequiredABox, schema: Schema, top: str) -> Iterator[Quad]:
-    """Every statement about a required ABox and its premise, below the IRI ``top``, as an episode holds them.
-
-    Raises:
-        ValueError: where one name stands for entities of two types.
-    """
-    thresholds = frozenset(threshold.iri for threshold in schema.thresholds.values())
-    _one_type_per_name((*required.facts, *required.premise), thresholds)
-    facts, premise = f"{top}/required", f"{top}/premise"
-    graphs = [
-        (facts, _required(facts, top, required, thresholds)),
-        (premise, _facts(premise, top, required.premise, thresholds)),
-    ]
-    yield from _quads(graphs)
-
-
-def _quads(graphs: Iterable[tuple[str, Iterable[Statement]]]) -> Iterator[Quad]:
-    for graph, statements in graphs:
-        name = node(graph)
-        for subject, predicate, term in statements:
-            yield Quad(node(subject), node(predicate), term, name)
-
-
-def _describe(subject: str, types: Sequence[str], **values: Value) -> Iterator[Statement]:
-    """Statements of one subject; keywords are local names of our vocabularies, ``None`` says nothing."""
-    for cls in types:
-        yield subject, _TYPE, node(cls)
-    for key, value in values.items():
-        space, _, local = key.partition("_")
-        if value is not None:
-            yield subject, {"core": CORE, "trace": TRACE}[space] + local, _term(value)
-
-
-def _term(value: str | bool | float | Term) -> Term:  # noqa: FBT001 - the value is the whole argument
-    if isinstance(value, bool):
-        return boolean(value)
-    if isinstance(value, int):
-        return integer(value)
-    if isinstance(value, float):
-        return double(value)
-    return Literal(value) if isinstance(value, str) else value
+    yield from quads_of(graphs)
 
 
 def _number(value: float) -> float | None:
     return None if isnan(value) else float(value)
 
 
-def _link(subject: str, predicate: str, *objects: str) -> Iterator[Statement]:
-    for target in objects:
-        yield subject, predicate, node(target)
-
-
 def _episode(top: str, episode: Episode, run: str) -> Iterator[Statement]:
-    yield from _describe(run_iri(run), [TRACE + "Run"])
-    yield from _describe(
+    yield from describe(run_iri(run), [TRACE + "Run"])
+    yield from describe(
         top,
         [TRACE + "Episode"],
         trace_inRun=node(run_iri(run)),
@@ -144,75 +92,23 @@ def _episode(top: str, episode: Episode, run: str) -> Iterator[Statement]:
         trace_outcome=node(OUTCOMES[episode.outcome]),
         trace_provenance=json.dumps(dict(episode.provenance), ensure_ascii=False),
     )
-    yield from _link(top, _INFORMED, run_iri(run))
-    yield from _link(top, _USED, f"{top}/required")
+    yield from link(top, _INFORMED, run_iri(run))
+    yield from link(top, _USED, f"{top}/required")
     if episode.verification is not None:
         verification = f"{top}/verification"
-        yield from _link(top, TRACE + "verification", verification)
+        yield from link(top, TRACE + "verification", verification)
         yield from _verification(verification, episode.verification)
-        yield from _link(verification, _GENERATED, top)
-        yield from _link(verification, _DERIVED, f"{top}/final", f"{top}/required")
-
-
-def _required(iri: str, top: str, required: RequiredABox, thresholds: frozenset[str]) -> Iterator[Statement]:
-    yield from _describe(
-        iri,
-        [TRACE + "RequiredABox"],
-        trace_task=required.task,
-        trace_language=required.language,
-        trace_problem=required.problem,
-        trace_taskFile=required.source,
-    )
-    yield from _link(iri, TRACE + "declares", *(f"{top}/premise/fact/{i}" for i in range(len(required.premise))))
-    yield from _link(iri, TRACE + "memberFact", *(f"{iri}/fact/{i}" for i in range(len(required.facts))))
-    yield from _facts(iri, top, required.facts, thresholds)
-    for index, way in enumerate(required.alternatives):
-        alternative = f"{iri}/alternative/{index}"
-        yield from _link(iri, TRACE + "alternative", alternative)
-        yield from _describe(alternative, [TRACE + "Alternative"], trace_index=index)
-        yield from _link(alternative, TRACE + "asksFor", *(f"{iri}/fact/{i}" for i in way))
-        yield from _link(alternative, _DERIVED, iri)
-
-
-def _facts(abox: str, top: str, facts: Sequence[Fact], thresholds: frozenset[str]) -> Iterator[Statement]:
-    for index, fact in enumerate(facts):
-        arguments = [node(a.type if a.type in thresholds else entity_iri(top, a.name)) for a in fact.arguments]
-        yield from _describe(
-            f"{abox}/fact/{index}",
-            [CORE + "RequiredFact"],
-            core_predicate=node(fact.predicate),
-            core_argument1=arguments[0] if arguments else None,
-            core_argument2=arguments[1] if len(arguments) > 1 else None,
-            core_polarity=fact.polarity,
-            core_requiredMargin=float(fact.threshold),
-            core_nativeAtom=str(fact.native),
-            core_groundedBy=fact.grounded_by,
-            trace_index=index,
-            trace_place=_place(fact.span),
-            trace_taskFile=fact.span.file if fact.span else None,
-        )
-        yield from _link(f"{abox}/fact/{index}", _DERIVED, f"{top}/required")
-        for argument in fact.arguments:
-            if argument.type not in thresholds:
-                yield from _entity(entity_iri(top, argument.name), argument)
-
-
-def _entity(iri: str, entity: Entity) -> Iterator[Statement]:
-    yield iri, _TYPE, node(entity.type)
-    yield iri, RDFS + "label", Literal(entity.name)
-
-
-def _place(span: Span | None) -> str | None:
-    return f"{span.line}:{span.column}-{span.end_line}:{span.end_column}" if span else None
+        yield from link(verification, _GENERATED, top)
+        yield from link(verification, _DERIVED, f"{top}/final", f"{top}/required")
 
 
 def _origin(iri: str, maker: str, *sources: str) -> Iterator[Statement]:
-    yield from _link(iri, _DERIVED, *sources)
-    yield from _link(iri, _GENERATED, maker)
+    yield from link(iri, _DERIVED, *sources)
+    yield from link(iri, _GENERATED, maker)
 
 
 def _observation(iri: str, required: str, facts: Sequence[Fact], observation: Observation) -> Iterator[Statement]:
-    yield from _describe(
+    yield from describe(
         iri,
         [TRACE + "ObservedABox"],
         core_source=node(SOURCES[observation.source]),
@@ -221,8 +117,8 @@ def _observation(iri: str, required: str, facts: Sequence[Fact], observation: Ob
     for index, code in enumerate(evidence_status(facts, observation)):
         member = f"{iri}/observation/{index}"
         truth = bool(observation.truth[index])
-        yield from _link(iri, TRACE + "memberFact", member)
-        yield from _describe(
+        yield from link(iri, TRACE + "memberFact", member)
+        yield from describe(
             member,
             [CORE + "ObservedFact"],
             core_fact=node(f"{required}/fact/{index}"),
@@ -235,7 +131,7 @@ def _observation(iri: str, required: str, facts: Sequence[Fact], observation: Ob
             core_limit=observation.limit[index] or None,
             trace_index=index,
         )
-        yield from _link(member, _DERIVED, f"{required}/fact/{index}")
+        yield from link(member, _DERIVED, f"{required}/fact/{index}")
 
 
 def _attempt(
@@ -244,7 +140,7 @@ def _attempt(
     observed = f"{top}/observed/{attempt.index}"
     failed = attempt.application is not None and attempt.verification is not None and not attempt.verification.outcome
     diagnoses = [f"{iri}/diagnosis/{i}" for i in range(len(attempt.diagnoses))]
-    yield from _describe(
+    yield from describe(
         iri,
         [TRACE + "Attempt"],
         trace_inEpisode=node(top),
@@ -255,29 +151,29 @@ def _attempt(
         trace_verification=node(f"{iri}/verification") if attempt.verification else None,
         trace_fault=attempt.fault or None,
     )
-    yield from _link(iri, TRACE + "failure", *[CORE + "ExecutionFailure"] * failed)
-    yield from _link(iri, TRACE + "failure", *[CORE + "RunFault"] * bool(attempt.fault))
-    yield from _link(iri, TRACE + "diagnosis", *diagnoses)
-    yield from _link(iri, _USED, observed)
-    yield from _link(iri, _INFORMED, earlier)
+    yield from link(iri, TRACE + "failure", *[CORE + "ExecutionFailure"] * failed)
+    yield from link(iri, TRACE + "failure", *[CORE + "RunFault"] * bool(attempt.fault))
+    yield from link(iri, TRACE + "diagnosis", *diagnoses)
+    yield from link(iri, _USED, observed)
+    yield from link(iri, _INFORMED, earlier)
     chosen = f"{iri}/diagnosis/selected"
     for index, (name, diagnosis) in enumerate(zip(diagnoses, attempt.diagnoses, strict=True)):
         if _same(diagnosis, attempt.selected.diagnosis):
             chosen = name
         yield from _diagnosis(name, top, observed, index, diagnosis, required)
-        yield from _link(name, _GENERATED, iri)
+        yield from link(name, _GENERATED, iri)
     if chosen not in diagnoses:
         yield from _diagnosis(chosen, top, observed, len(diagnoses), attempt.selected.diagnosis, required)
-        yield from _link(chosen, _GENERATED, iri)
+        yield from link(chosen, _GENERATED, iri)
     yield from _decision(f"{iri}/decision", chosen, attempt.selected)
-    yield from _link(f"{iri}/decision", _GENERATED, iri)
+    yield from link(f"{iri}/decision", _GENERATED, iri)
     if attempt.application is not None:
         yield from _application(iri, attempt.application, routes)
     if attempt.verification is not None:
         verification = f"{iri}/verification"
         yield from _verification(verification, attempt.verification)
-        yield from _link(verification, _GENERATED, f"{iri}/application" if attempt.application else iri)
-        yield from _link(verification, _DERIVED, f"{iri}/proposal" if attempt.application else f"{iri}/decision")
+        yield from link(verification, _GENERATED, f"{iri}/application" if attempt.application else iri)
+        yield from link(verification, _DERIVED, f"{iri}/proposal" if attempt.application else f"{iri}/decision")
 
 
 @dataclass(frozen=True, slots=True)
@@ -305,8 +201,8 @@ def _diagnosis(
     if not required.holds(diagnosis):
         # A diagnosis of another fact says so, and the shapes refuse it (ABX002).
         fact = f"{iri}/fact/0"
-        yield from _facts(iri, top, (diagnosis.fact,), required.thresholds)
-    yield from _describe(
+        yield from fact_statements(iri, top, (diagnosis.fact,), required.thresholds)
+    yield from describe(
         iri,
         [TRACE + "Diagnosis", diagnosis.failure],
         core_fact=node(fact),
@@ -320,18 +216,18 @@ def _diagnosis(
         core_priority=diagnosis.priority,
         trace_index=index,
     )
-    yield from _link(iri, _DERIVED, f"{observed}/observation/{diagnosis.index}")
+    yield from link(iri, _DERIVED, f"{observed}/observation/{diagnosis.index}")
 
 
 def _decision(iri: str, diagnosis: str, decision: RouteDecision) -> Iterator[Statement]:
     # Status and previous route are said of the diagnosis, where the routing rules look for them.
-    yield from _describe(
+    yield from describe(
         diagnosis,
         [],
         core_attemptStatus=node(decision.attempt_status) if decision.attempt_status else None,
         core_previousRoute=node(decision.previous) if decision.previous is not None else None,
     )
-    yield from _describe(
+    yield from describe(
         iri,
         [TRACE + "RouteDecision"],
         core_route=node(decision.route),
@@ -340,28 +236,28 @@ def _decision(iri: str, diagnosis: str, decision: RouteDecision) -> Iterator[Sta
         trace_atLevel=node(LEVELS[decision.level]),
         trace_of=node(diagnosis),
     )
-    yield from _link(iri, _DERIVED, diagnosis)
+    yield from link(iri, _DERIVED, diagnosis)
 
 
 def _application(attempt: str, application: Application, routes: Mapping[str, str]) -> Iterator[Statement]:
     iri, proposal = f"{attempt}/application", f"{attempt}/proposal"
-    yield from _describe(
+    yield from describe(
         iri,
         [TRACE + "Application"],
         trace_proposal=node(proposal),
         trace_mode=node(MODES[application.mode]),
         trace_displacement=float(application.displacement),
     )
-    yield from _link(iri, _USED, proposal)
-    yield from _link(iri, _INFORMED, attempt)
+    yield from link(iri, _USED, proposal)
+    yield from link(iri, _INFORMED, attempt)
     yield from _proposal(proposal, application.proposal, routes)
-    yield from _link(proposal, _DERIVED, f"{attempt}/decision")
-    yield from _link(proposal, _GENERATED, attempt)
+    yield from link(proposal, _DERIVED, f"{attempt}/decision")
+    yield from link(proposal, _GENERATED, attempt)
 
 
 def _proposal(iri: str, proposal: Proposal, routes: Mapping[str, str]) -> Iterator[Statement]:
     route = routes.get(proposal.route)
-    yield from _describe(
+    yield from describe(
         iri,
         [TRACE + "Proposal"],
         core_route=node(route) if route else None,
@@ -375,7 +271,7 @@ def _proposal(iri: str, proposal: Proposal, routes: Mapping[str, str]) -> Iterat
 
 
 def _verification(iri: str, verification: Verification) -> Iterator[Statement]:
-    yield from _describe(
+    yield from describe(
         iri,
         [TRACE + "Verification"],
         trace_query=verification.query,
@@ -383,15 +279,3 @@ def _verification(iri: str, verification: Verification) -> Iterator[Statement]:
         trace_settled=verification.settled,
         trace_settleSteps=int(verification.settle_steps),
     )
-
-
-def _one_type_per_name(facts: Iterable[Fact], thresholds: frozenset[str]) -> None:
-    types: dict[str, str] = {}
-    for fact in facts:
-        if str(fact.native).count("(") != 1 or len(fact.arguments) > 2:
-            raise ValueError(f"`{fact.native}` is not an atom of at most two plain names")
-        for argument in fact.arguments:
-            if argument.type in thresholds:
-                continue
-            if types.setdefault(argument.name, argument.type) != argument.type:
-                raise ValueError(f"`{argument.name}` is both a {types[argument.name]} and a {argument.type}")

@@ -1,11 +1,8 @@
-"""The registry of LIBERO-Plus resolves, and verdicts are kept by content."""
-
-import json
+"""The registry of LIBERO-Plus resolves."""
 
 import pytest
 
 from benchmarks.registry import SUITES, registry
-from onto_compiler.cache import VerdictCache, digest
 from onto_compiler.problems import OntoError
 
 
@@ -27,25 +24,3 @@ def test_a_name_that_holds_a_perturbations_word_of_its_own_is_read_from_the_righ
     named = [task for task in tasks if "_from_table_center_" in task.name]
     assert len(named) > 100
     assert {task.file.stem.partition("_and_")[0] for task in named} == {"pick_up_the_black_bowl_from_table_center"}
-
-
-def test_a_verdict_is_kept_until_what_it_depends_on_changes(tmp_path):
-    ttl = tmp_path / "a.ttl"
-    ttl.write_text("# one")
-    first = digest([ttl])
-    cache = VerdictCache(tmp_path / "cache" / "verdicts.json", first)
-    cache.add({"abc": {"facts": 2}})
-    cache.save()
-    assert VerdictCache(cache.path, first).get("abc") == {"facts": 2}
-    ttl.write_text("# two")
-    assert digest([ttl]) != first
-    assert len(VerdictCache(cache.path, digest([ttl]))) == 0
-
-
-@pytest.mark.parametrize(
-    "damage", ["", "[]", '{"digest": "d"}', "not json", json.dumps({"digest": "d", "verdicts": 3})]
-)
-def test_a_damaged_cache_counts_as_empty(tmp_path, damage):
-    path = tmp_path / "verdicts.json"
-    path.write_text(damage)
-    assert len(VerdictCache(path, "d")) == 0

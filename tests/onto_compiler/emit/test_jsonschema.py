@@ -62,6 +62,14 @@ def test_what_onto_compile_prints_is_valid(schema, capsys):
     assert not validator(schema, "Compilation").is_valid(record)  # its predicate is not of the shipped ontology
 
 
+def test_what_onto_compile_says_of_a_folder_is_valid(schema, capsys):
+    record = printed(capsys, f"compile {TASK.parent} --ontology {SERVED} --no-cache --json", CLEAN)
+    assert [one["facts"] for one in record["files"]] == [1]
+    validator(schema, "Batch").validate(record)
+    validator(schema).validate(record)
+    assert not validator(schema, "Batch").is_valid({**record, "summary": {"files": 1}})
+
+
 def test_what_onto_compile_says_of_a_broken_task_is_valid(schema, capsys, tmp_path):
     (tmp_path / "broken.bddl").write_text("(define (problem p)")
     record = printed(capsys, f"compile {tmp_path / 'broken.bddl'} --json", FINDINGS)

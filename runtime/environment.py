@@ -14,7 +14,7 @@ from grounding.sim import SimGrounder
 from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import Schema
-from runtime.loop import RunFault
+from runtime.faults import RunFault
 from runtime.records import Application, Proposal, Verification
 from runtime.simulator.native import NativeTask
 

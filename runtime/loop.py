@@ -15,15 +15,12 @@ from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
 from onto_compiler.tables import EXHAUSTED, FIRST, REPEAT
 from runtime.diagnosis import diagnose_goal, select
+from runtime.faults import RunFault
 from runtime.proposers.protocol import Proposer, Request
 from runtime.records import Application, Attempt, Diagnosis, Proposal, RouteDecision, Verification
 from runtime.routing import route
 
 __all__ = ["Correction", "CorrectionLoop", "Environment", "RunFault"]
-
-
-class RunFault(Exception):  # noqa: N818 - the ontology's own name for it
-    """A run that broke off: a number that is not finite, or a crash. Never a statement about the task."""
 
 
 class Environment(Protocol):

@@ -1,0 +1,188 @@
+"""A scene under dynamics, one 20 Hz control step at a time, and nothing that LIBERO computes beside the physics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from onto_compiler.problems import OntoError
+from runtime.faults import RunFault
+from runtime.simulator.compiled import CompiledScene
+from runtime.simulator.snapshot import FULL, Snapshot
+
+__all__ = ["DUMMY_ACTION", "Simulation", "Stepper"]
+
+DUMMY_ACTION = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)  # no motion, gripper open
+ACTION_SIZE = 7
+_WARNINGS = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
+
+
+class Stepper(Protocol):
+    """The controller and the order of the physics calls; holds the controller's state."""
+
+    touched: NDArray[np.bool_]
+
+    def watch(self, entities: Sequence[NDArray[np.intp]]) -> None:
+        """Set ``touched`` (k, k) from now on where geoms of two of ``entities`` meet in any substep."""
+        ...
+
+    def step(self, action: NDArray[np.float64]) -> None:
+        """Take one control step with ``action`` (7,), finite; it is clipped to [-1, 1]."""
+        ...
+
+    def take(self, *, before: bool = False) -> tuple[NDArray[np.float64], dict[str, Any]]:
+        """Copy the gripper's current action and the controller's state, by robosuite's attribute names.
+
+        ``before`` gives what they were before the last step.
+        """
+        ...
+
+    def put(self, gripper: NDArray[np.float64], controller: Mapping[str, Any]) -> None:
+        """Write both back."""
+        ...
+
+
+class Simulation:
+    """One scene and its state. ``exact`` steps as the native environment does, bit for bit, at half its speed gain.
+
+    The compiled way is for search and monitoring: it agrees with the native environment to within 1e-9 in free motion,
+    and drifts where contact is chaotic. What is published is run with ``exact``, or natively.
+    """
+
+    def __init__(self, scene: CompiledScene, *, exact: bool = False) -> None:
+        """Allocate a state of ``scene`` and go to its home. Simulations of one scene share its fixtures' poses."""
+        self.scene = scene
+        self.model = scene.model
+        self.data = mujoco.MjData(scene.model)
+        self.exact = exact
+        self.steps = 0
+        self._good = np.empty(mujoco.mj_stateSize(self.model, FULL))
+        self._stepper = _stepper(scene, self.data, exact=exact)
+        self.restore(scene.home)
+
+    @property
+    def state_size(self) -> int:
+        """The length of LIBERO's flat state: time, qpos, qvel."""
+        return int(1 + self.model.nq + self.model.nv)
+
+    @property
+    def flat_state(self) -> NDArray[np.float64]:
+        """LIBERO's flat state: time, qpos, qvel, shape (1 + nq + nv,)."""
+        return np.concatenate(([self.data.time], self.data.qpos, self.data.qvel))
+
+    def reset_to(self, state: ArrayLike) -> None:
+        """Go to a flat ``state`` (1 + nq + nv,) as LIBERO's ``reset`` and ``set_init_state`` would: a state write.
+
+        Raises ``SIM004`` when its length is another scene's, ``SIM003`` when it is not finite.
+        """
+        flat = np.array(state, dtype=np.float64).ravel()
+        if flat.size != self.state_size:
+            message = (
+                f"the initial state has {flat.size} numbers, the scene of `{self.scene.bddl.stem}` needs "
+                f"{self.state_size}"
+            )
+            raise OntoError.of("SIM004", message, "take the initial states of the same task and LIBERO version")
+        if not np.isfinite(flat).all():
+            raise OntoError.of("SIM003", f"the initial state is not finite at {int(np.argmin(np.isfinite(flat)))}")
+        self.restore(self.scene.home)
+        data, nq = self.data, self.model.nq
+        data.time = flat[0]
+        data.qpos[:] = flat[1 : 1 + nq]
+        data.qvel[:] = flat[1 + nq :]
+        mujoco.mj_forward(self.model, data)
+
+    def step(self, action: ArrayLike) -> None:
+        """Take one control step (1/20 s) with an OSC_POSE action (7,), clipped to [-1, 1].
+
+        Raises ``SIM021`` for an action that is not seven finite numbers, and :class:`RunFault` with the last good
+        snapshot where the state diverges; that snapshot is then the state.
+        """
+        given = np.asarray(action, dtype=np.float64).ravel()
+        if given.size != ACTION_SIZE or not np.isfinite(given).all():
+            what = f"{given.size} numbers" if given.size != ACTION_SIZE else f"the numbers {given.tolist()}"
+            raise OntoError.of("SIM021", f"an action of {what}", "OSC_POSE takes seven finite numbers in [-1, 1]")
+        mujoco.mj_getState(self.model, self.data, self._good, FULL)
+        time = self.data.time
+        self._stepper.step(given)
+        self.steps += 1
+        if self.data.time <= time or not self._finite():
+            self.steps -= 1
+            good = self._snapshot(self._good.copy(), *self._stepper.take(before=True))
+            self.restore(good)
+            raise RunFault(f"the state diverged in control step {self.steps + 1}", good)
+
+    def rollout(self, actions: Sequence[ArrayLike] | NDArray[np.float64]) -> None:
+        """Take one control step for each action."""
+        for action in actions:
+            self.step(action)
+
+    def settle(self, steps: int = 10) -> None:
+        """Take ``steps`` control steps without motion: the official initial states hang above the table."""
+        for _ in range(steps):
+            self.step(DUMMY_ACTION)
+
+    def watch(self, entities: Sequence[str]) -> None:
+        """Accumulate from now on, in :attr:`touched`, which of ``entities`` touch in any substep.
+
+        Between two control steps a contact can come and go (robosuite issue 366). Raises ``SIM001`` where one is
+        unknown.
+        """
+        self._stepper.watch([self.scene.index.contact_geoms(name) for name in entities])
+
+    @property
+    def touched(self) -> NDArray[np.bool_]:
+        """Which watched entities have touched since :meth:`watch`: (k, k), symmetric."""
+        return self._stepper.touched
+
+    def snapshot(self) -> Snapshot:
+        """All that decides what happens next, hidden state included."""
+        integration = np.empty_like(self._good)
+        mujoco.mj_getState(self.model, self.data, integration, FULL)
+        return self._snapshot(integration, *self._stepper.take())
+
+    def restore(self, saved: Snapshot) -> None:
+        """Go back to ``saved``, of this scene, whoever took it; raises ``SIM004`` where it is another scene's."""
+        model, data = self.model, self.data
+        if saved.integration.size != self._good.size or len(saved.body_pos) != model.nbody:
+            raise OntoError.of(
+                "SIM004", "the snapshot belongs to another scene", "restore it in the task that it was taken in"
+            )
+        model.body_pos[:] = saved.body_pos
+        model.body_quat[:] = saved.body_quat
+        mujoco.mj_setState(model, data, saved.integration, FULL)
+        mujoco.mj_forward(model, data)
+        mujoco.mj_setState(model, data, saved.integration, FULL)  # mj_forward moves the warm start
+        self._stepper.put(saved.gripper_action, saved.controller)
+        self.steps = saved.clock[0]
+        for kind in _WARNINGS:
+            data.warning[kind].number = 0
+
+    def _finite(self) -> bool:
+        # A sum is not finite where a term is not; it can only overflow in a state that has diverged.
+        return bool(np.isfinite(self.data.qpos.sum() + self.data.qvel.sum()))
+
+    def _snapshot(
+        self, integration: NDArray[np.float64], gripper: NDArray[np.float64], controller: Mapping[str, Any]
+    ) -> Snapshot:
+        clock = (self.steps, self.steps / 20, False)
+        return Snapshot(
+            integration, self.model.body_pos.copy(), self.model.body_quat.copy(), gripper, controller, clock
+        )
+
+
+def _stepper(scene: CompiledScene, data: mujoco.MjData, *, exact: bool) -> Stepper:
+    if exact:
+        from runtime.simulator.exact import ExactStepper  # noqa: PLC0415  robosuite takes a second to import
+
+        return ExactStepper(scene, data)
+    from runtime.simulator.compiled_step import CompiledStepper  # noqa: PLC0415  so does numba
+
+    return CompiledStepper(scene, data)

@@ -46,7 +46,7 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         "--reasoner",
         choices=("rl", "hermit"),
         default="rl",
-        help="what finds contradictions: OWL 2 RL rules, or HermiT as well, which needs Java (default: rl)",
+        help="what finds contradictions: OWL 2 RL rules, or HermiT as well, which runs on Java (default: rl)",
     )
     acting = parser.add_mutually_exclusive_group()
     acting.add_argument("--fix", action="store_true", help="repair what is mechanical, in the files themselves")

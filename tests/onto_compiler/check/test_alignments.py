@@ -1,7 +1,5 @@
 """What other vocabularies say of their terms does not contradict what ours say of theirs."""
 
-import shutil
-
 import owlready2
 import pytest
 from pyoxigraph import NamedNode, RdfFormat, Store
@@ -78,7 +76,7 @@ def test_a_file_declares_no_term_that_it_does_not_use(name):
     assert idle == set()
 
 
-@pytest.mark.skipif(shutil.which("java") is None, reason="HermiT runs on Java, which is not on PATH")
+@pytest.mark.usefixtures("java")
 @pytest.mark.parametrize("name", MAPPED)
 def test_our_classes_can_have_instances_beside_the_axioms_of_the_vocabulary(tmp_path, name):
     quads = [q for q in alone(name) if q.subject.value.startswith(BASE) and q.predicate.value in MAPPINGS]
@@ -97,7 +95,7 @@ def test_our_classes_can_have_instances_beside_the_axioms_of_the_vocabulary(tmp_
     assert list(world.inconsistent_classes()) == []
 
 
-@pytest.mark.skipif(shutil.which("java") is None, reason="HermiT runs on Java, which is not on PATH")
+@pytest.mark.usefixtures("java")
 @pytest.mark.parametrize("name", MAPPED)
 def test_what_both_sides_exclude_is_found(tmp_path, name):
     world, loaded = as_world(tmp_path, with_upstream(IMPOSSIBLE[name]))
@@ -105,7 +103,7 @@ def test_what_both_sides_exclude_is_found(tmp_path, name):
         owlready2.sync_reasoner_hermit(world, debug=0)
 
 
-@pytest.mark.skipif(shutil.which("java") is None, reason="HermiT runs on Java, which is not on PATH")
+@pytest.mark.usefixtures("java")
 def test_an_observed_abox_is_close_to_an_observation_and_none(tmp_path):
     axiom = "trace:ObservedABox rdfs:subClassOf sosa:Observation . [] a trace:ObservedABox ."
     world, loaded = as_world(tmp_path, with_upstream(axiom))

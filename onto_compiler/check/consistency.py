@@ -6,7 +6,7 @@ disjoint classes and subclasses alone (OWL005, OWL006), is left to them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import cast
 
 from pyoxigraph import Literal, NamedNode
@@ -14,8 +14,9 @@ from pyoxigraph import Literal, NamedNode
 from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model
 from onto_compiler.rdf import OWL, RDF, RDFS, SH, shorten
-from onto_compiler.reasoning.axioms import TYPE, Fact, Term, owl, read_axioms
+from onto_compiler.reasoning.axioms import TYPE, Axioms, Fact, Term, owl, read_axioms
 from onto_compiler.reasoning.closure import close
+from onto_compiler.reasoning.lean import contentious, lean, representatives
 
 __all__ = ["check_consistency"]
 
@@ -40,9 +41,10 @@ def check_consistency(model: Model) -> Iterator[Finding]:
     """One finding for each class without possible instances, and for each contradiction between given facts."""
     axioms = read_axioms(model.store)
     classes = [quad.subject for quad in model.store.quads_for_pattern(None, TYPE, owl("Class"), None)]
-    named = {cls for cls in classes if isinstance(cls, NamedNode)}
-    assumed: dict[Fact, tuple[Fact, ...]] = {(NamedNode(_ASSUMED + cls.value), TYPE, cls): () for cls in named}
-    closure = close(axioms, _facts(model, axioms.properties), assumed)
+    suspects = _suspects(model, axioms, {cls for cls in classes if isinstance(cls, NamedNode)})
+    if suspects is None:
+        return
+    closure = close(axioms, _facts(model, axioms.properties), _instances(suspects))
     empty: dict[NamedNode, tuple[Fact, ...]] = {}
     told: set[frozenset[Fact]] = set()
     for clash in closure.clashes:
@@ -61,6 +63,32 @@ def check_consistency(model: Model) -> Iterator[Finding]:
         twins = {one for one in above if cls in closure.types[NamedNode(_ASSUMED + _text(one))]}
         if not (above - twins) & empty.keys():  # a subclass of an empty class is empty for the same reason
             yield _empty_class(model, cls, given)
+
+
+def _suspects(model: Model, axioms: Axioms, classes: set[NamedNode]) -> set[NamedNode] | None:
+    """The classes that may have no instances; None where nothing clashes at all.
+
+    One instance for each different set of classes that matter is enough to know: whatever clashes at an instance also
+    clashes at another that is under no less.
+    """
+    upper = contentious(axioms, classes)
+    stand_ins = cast("list[NamedNode]", representatives(upper, classes))
+    closure = close(lean(axioms, upper), _facts(model, axioms.properties), _instances(stand_ins))
+    if not closure.clashes:
+        return None
+    about = {
+        NamedNode(part.value.removeprefix(_ASSUMED))
+        for clash in closure.clashes
+        for fact in closure.given(clash.premises)
+        for part in fact
+        if _is_assumed(part)
+    }
+    clashing = {upper[one] for one in about}
+    return {cls for cls in classes if upper[cls] and any(upper[cls] <= one for one in clashing)}
+
+
+def _instances(classes: Iterable[NamedNode]) -> dict[Fact, tuple[Fact, ...]]:
+    return {(NamedNode(_ASSUMED + cls.value), TYPE, cls): () for cls in classes}
 
 
 def _facts(model: Model, properties: set[Term]) -> Iterator[Fact]:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pyoxigraph import Store
 
+from onto_compiler.check.hierarchy import check_hierarchy
 from onto_compiler.check.locate import locate
 from onto_compiler.check.model import load_model
 from onto_compiler.check.prefixes import check_prefixes
@@ -25,7 +26,7 @@ __all__ = ["moved", "quick_turtle", "task_problems", "whole_turtle"]
 
 
 def quick_turtle(path: Path, text: str) -> tuple[Problem, ...]:
-    """Syntax, prefixes and query checks of ``text`` as the content of ``path``."""
+    """Syntax, prefixes, and the checks that are quick, of ``text`` as the content of ``path``."""
     if not path.exists():  # a buffer that was never saved has no place among other files
         return tuple(read_into(Store(), path, text))
     try:
@@ -33,6 +34,7 @@ def quick_turtle(path: Path, text: str) -> tuple[Problem, ...]:
     except OntoError as error:
         return _own(path, error.problems)
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
+    findings += check_hierarchy(model)
     problems = {*check_prefixes(model), *(locate(model, findings) if findings else ())}
     return _own(path, sorted(problems))
 

@@ -14,12 +14,15 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Store
 
 from onto_compiler.rdf import OWL, RDF, RDFS
 
-__all__ = ["TYPE", "Axioms", "Fact", "Term", "owl", "read_axioms"]
+__all__ = ["TYPE", "Axioms", "Fact", "Term", "disjoint_groups", "owl", "read_axioms"]
 
 Term = NamedNode | BlankNode | Literal
 Fact = tuple[Term, Term, Term]
 TYPE = NamedNode(RDF + "type")
 _FIRST, _REST, _NIL = (NamedNode(RDF + name) for name in ("first", "rest", "nil"))
+
+# Term -> the groups that it is a member of; any two of one group are held apart.
+Groups = defaultdict[Term, list[tuple[frozenset[Term], Fact]]]
 
 
 def owl(name: str) -> NamedNode:
@@ -40,9 +43,9 @@ class Axioms:
     inverse: defaultdict[Term, list[tuple[Term, Fact]]] = field(default_factory=_index)
     domain: defaultdict[Term, list[tuple[Term, Fact]]] = field(default_factory=_index)
     range: defaultdict[Term, list[tuple[Term, Fact]]] = field(default_factory=_index)
-    disjoint: defaultdict[Term, list[tuple[Term, Fact]]] = field(default_factory=_index)
-    disjoint_property: defaultdict[Term, list[tuple[Term, Fact]]] = field(default_factory=_index)
-    different: defaultdict[Term, list[tuple[Term, Fact]]] = field(default_factory=_index)
+    disjoint: Groups = field(default_factory=lambda: defaultdict(list))
+    disjoint_property: Groups = field(default_factory=lambda: defaultdict(list))
+    different: Groups = field(default_factory=lambda: defaultdict(list))
     marks: dict[tuple[Term, str], Fact] = field(default_factory=dict)  # (property, "TransitiveProperty")
     both: defaultdict[Term, list[tuple[Term, tuple[Term, ...], Fact]]] = field(
         default_factory=lambda: defaultdict(list)
@@ -101,9 +104,10 @@ def _list(store: Store, head: Term) -> tuple[Term, ...]:
     return tuple(items)
 
 
-def _pairs(index: defaultdict[Term, list[tuple[Term, Fact]]], members: tuple[Term, ...], fact: Fact) -> None:
-    for one in members:
-        index[one] += [(other, fact) for other in members if other != one]
+def _apart(index: Groups, members: tuple[Term, ...], fact: Fact) -> None:
+    group = frozenset(members)  # shared: a list of n has n²/2 pairs
+    for one in group:
+        index[one].append((group, fact))
 
 
 def _classes(store: Store, found: Axioms) -> None:
@@ -128,18 +132,29 @@ def _unions(store: Store, found: Axioms) -> None:
             for member in members:
                 found.above[member].append((fact[0], fact))
             if name == "disjointUnionOf":
-                _pairs(found.disjoint, members, fact)
+                _apart(found.disjoint, members, fact)
     for fact in _triples(store, owl("oneOf")):
         found.facts += [((member, TYPE, fact[0]), fact) for member in _list(store, fact[2])]
 
 
-def _disjointness(store: Store, found: Axioms) -> None:
-    for name in ("disjointWith", "complementOf"):
-        for fact in _triples(store, owl(name)):
-            _pairs(found.disjoint, (fact[0], fact[2]), fact)
+def disjoint_groups(store: Store) -> list[frozenset[Term]]:
+    """The classes that ``owl:disjointWith`` and ``owl:AllDisjointClasses`` hold apart, together."""
+    return [frozenset(members) for members, _ in _declared_disjoint(store)]
+
+
+def _declared_disjoint(store: Store) -> Iterator[tuple[tuple[Term, ...], Fact]]:
+    for fact in _triples(store, owl("disjointWith")):
+        yield (fact[0], fact[2]), fact
     for group in _triples(store, TYPE, owl("AllDisjointClasses")):
         for fact in _of(store, group[0], "members"):
-            _pairs(found.disjoint, _list(store, fact[2]), fact)
+            yield _list(store, fact[2]), fact
+
+
+def _disjointness(store: Store, found: Axioms) -> None:
+    for members, fact in _declared_disjoint(store):
+        _apart(found.disjoint, members, fact)
+    for fact in _triples(store, owl("complementOf")):
+        _apart(found.disjoint, (fact[0], fact[2]), fact)
 
 
 def _of(store: Store, subject: Term, *names: str) -> Iterator[Fact]:
@@ -178,21 +193,22 @@ def _properties(store: Store, found: Axioms) -> None:
         found.inverse[fact[0]].append((fact[2], fact))
         found.inverse[fact[2]].append((fact[0], fact))
     for fact in _triples(store, owl("propertyDisjointWith")):
-        _pairs(found.disjoint_property, (fact[0], fact[2]), fact)
+        _apart(found.disjoint_property, (fact[0], fact[2]), fact)
     for mark in _MARKS:
         for fact in _triples(store, TYPE, owl(mark)):
             found.marks[fact[0], mark] = fact
             found.properties.add(fact[0])
-    for index in (found.wider, found.domain, found.range, found.inverse, found.disjoint_property):
+    for index in (found.wider, found.domain, found.range, found.inverse):
         found.properties |= index.keys()
+    found.properties |= found.disjoint_property.keys()
 
 
 def _individuals(store: Store, found: Axioms) -> None:
     for fact in _triples(store, owl("differentFrom")):
-        _pairs(found.different, (fact[0], fact[2]), fact)
+        _apart(found.different, (fact[0], fact[2]), fact)
     for group in _triples(store, TYPE, owl("AllDifferent")):
         for fact in _of(store, group[0], "members", "distinctMembers"):
-            _pairs(found.different, _list(store, fact[2]), fact)
+            _apart(found.different, _list(store, fact[2]), fact)
     for source, _, subject in _triples(store, owl("sourceIndividual")):
         for fact in _of(store, source, "assertionProperty"):
             for target in _of(store, source, "targetIndividual", "targetValue"):

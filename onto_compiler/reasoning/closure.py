@@ -97,9 +97,10 @@ class Closure:
         for whole, members, axiom in axioms.both.get(cls, ()):
             if all(member in self.types[subject] for member in members):
                 self.add((subject, TYPE, whole), *((subject, TYPE, member) for member in members), axiom)
-        for other, axiom in axioms.disjoint.get(cls, ()):
-            if other in self.types[subject]:
-                self.clash(subject, (subject, TYPE, other), fact, axiom)
+        for group, axiom in axioms.disjoint.get(cls, ()):
+            for other in sorted(group & self.types[subject], key=str):
+                if other != cls:
+                    self.clash(subject, (subject, TYPE, other), fact, axiom)
         self.restricted(subject, cls, fact)
 
     def restricted(self, subject: Term, cls: Term, fact: Fact) -> None:
@@ -142,9 +143,10 @@ class Closure:
         self.counted(subject, prop)
         self.functional(subject, prop, value, fact)
         self.characteristic(subject, prop, value, fact)
-        for other, axiom in axioms.disjoint_property.get(prop, ()):
-            if (subject, other, value) in self.premises:
-                self.clash(subject, fact, (subject, other, value), axiom)
+        for group, axiom in axioms.disjoint_property.get(prop, ()):
+            for other in group - {prop}:
+                if (subject, other, value) in self.premises:
+                    self.clash(subject, fact, (subject, other, value), axiom)
         if fact in axioms.negative:
             self.clash(subject, fact, axioms.negative[fact])
 
@@ -223,8 +225,8 @@ class Closure:
 
     def same(self, one: Term, other: Term, fact: Fact) -> None:
         """Whatever holds of ``one`` holds of ``other``."""
-        for different, axiom in self.axioms.different.get(one, ()):
-            if different == other:
+        for group, axiom in self.axioms.different.get(one, ()):
+            if other in group and other != one:
                 self.clash(one, fact, axiom)
         self.out[one, _SAME].append(other)
         self.add((other, _SAME, one), fact)

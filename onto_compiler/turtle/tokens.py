@@ -1,7 +1,7 @@
 """Turtle (and the inside of a SPARQL query) cut into tokens; nothing is rejected here.
 
-Source: the terminals of RDF 1.1 Turtle, section 6.5, and of SPARQL 1.1, section 19.8. Letters are what Python
-counts as such, slightly more than PN_CHARS; a file that uses the difference has already been rejected by Oxigraph.
+Source: the terminals of RDF 1.1 Turtle, section 6.5, and of SPARQL 1.1, section 19.8. Letters are those of PN_CHARS
+and what else Python counts as such; a file that uses the difference has already been rejected by Oxigraph.
 """
 
 from __future__ import annotations
@@ -17,8 +17,13 @@ from onto_compiler.problems import Span
 __all__ = ["Source", "Token", "position_in_literal", "tokens", "unescape"]
 
 # Every repetition gives nothing back (`*+`), so that no text makes the scanner read it more than a few times.
-_LOCAL = r"(?:[\w:\-\u00b7]|%[0-9A-Fa-f]{2}|\\[_~.\-!$&'()*+,;=/?\#@%]|\.++(?=[\w:\-%\\\u00b7]))*+"
-_HEAD = r"[^\W\d](?:[\w\-\u00b7]|\.++(?=[\w\-\u00b7]))*+"
+_MORE = (  # letters of PN_CHARS that are none to Python: combining characters, and places without one
+    r"\u00b7\u02c2-\u02df\u02e5-\u02eb\u02ed\u02ef-\u02ff\u0300-\u037d\u037f-\u167f\u1681-\u1fff\u200c\u200d\u203f\u2040"
+    r"\u2070-\u218f\u2c00-\u2fef\u3001-\ud7ff\uf900-\ufdcf\ufdf0-\ufffd\U00010000-\U000effff"
+)
+_LOCAL = rf"(?:[\w:\-{_MORE}]|%[0-9A-Fa-f]{{2}}|\\[_~.\-!$&'()*+,;=/?\#@%]|\.++(?=[\w:\-%\\{_MORE}]))*+"
+_HEAD = rf"(?:[^\W\d]|[{_MORE}])(?:[\w\-{_MORE}]|\.++(?=[\w\-{_MORE}]))*+"
+_BLANK = rf"_:[\w{_MORE}](?:[\w\-.{_MORE}]*[\w\-{_MORE}])?"
 _TOKEN = re.compile(
     r"""
     (?:\s++|\#[^\n\r]*+)*+(?:
@@ -28,7 +33,9 @@ _TOKEN = re.compile(
     | (?P<unterminated>\"{3}|'{3}|"|')
     | (?P<at>@[A-Za-z]+(?:-[A-Za-z0-9]+)*)
     | (?P<datatype>\^\^)
-    | (?P<blank>_:\w(?:[\w\-.\u00b7]*[\w\-\u00b7])?)
+    | (?P<blank>"""
+    + _BLANK
+    + r""")
     | (?P<variable>[?$]\w+)
     | (?P<number>[+-]?(?:\d+\.\d*[eE][+-]?\d+|\.\d+[eE][+-]?\d+|\d+[eE][+-]?\d+|\d*\.\d+|\d+))
     | (?P<name>(?:"""

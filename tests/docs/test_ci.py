@@ -24,7 +24,7 @@ def parsed(line):
 
 
 def test_each_hook_has_what_pre_commit_requires_and_a_command_that_exists():
-    assert [hook["id"] for hook in HOOKS] == ["onto-check", "onto-fix"]
+    assert [hook["id"] for hook in HOOKS] == ["onto-check", "onto-fix", "onto-fmt"]
     for hook in HOOKS:
         assert {"id", "name", "entry", "language", "files"} <= hook.keys()
         assert parsed(hook["entry"] + " a.ttl").paths == [Path("a.ttl")]

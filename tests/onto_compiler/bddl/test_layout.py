@@ -130,4 +130,4 @@ def test_a_broken_file_is_a_finding_and_another_kind_of_file_is_misuse(tmp_path,
     assert broken.read_text("utf-8") == "(define (problem P)"
     assert main(["fmt", str(tmp_path / "none.bddl")]) == FINDINGS
     assert "BDDL004" in capsys.readouterr().err
-    assert main(["fmt", str(tmp_path / "x.ttl")]) == MISUSE
+    assert main(["fmt", str(tmp_path / "x.txt")]) == MISUSE

@@ -14,6 +14,11 @@ from pathlib import Path
 
 __all__ = ["OntoError", "Problem", "Span", "clipped", "near", "render", "render_all"]
 
+_WIDTH = 75
+"""Characters of a source line that are shown: 80 columns without the margin."""
+_BEFORE = 45
+"""How many of them stand before the caret."""
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class Span:
@@ -77,6 +82,19 @@ def clipped(text: str, length: int = 80) -> str:
     return text if len(text) <= length else f"{text[: length // 2]}…{text[-(length // 4) :]}"
 
 
+def _window(text: str, column: int) -> tuple[str, int]:
+    """What of a line fits a terminal of 80 columns, and the ``column`` (from 1) of the same character in it."""
+    if len(text) <= _WIDTH:
+        return text, column
+    start = min(max(column - 1 - _BEFORE, 0), len(text) - _WIDTH)
+    shown = text[start : start + _WIDTH]
+    if start:
+        shown = f"…{shown[1:]}"
+    if start + _WIDTH < len(text):
+        shown = f"{shown[:-1]}…"
+    return shown, column - start
+
+
 @lru_cache(maxsize=1)
 def _rows(source: str) -> tuple[str, ...]:
     """The lines of a source, kept for the next problem in it."""
@@ -91,8 +109,8 @@ def render(problem: Problem, source: str | None = None) -> str:
         lines.append(f"  --> {place}")
     rows = _rows(source) if source else ()
     if 0 < problem.line <= len(rows):
-        text = rows[problem.line - 1].replace("\t", " ")
-        lines += [f"   | {text}", f"   | {' ' * max(problem.column - 1, 0)}^"]
+        text, column = _window(rows[problem.line - 1].replace("\t", " "), problem.column)
+        lines += [f"   | {text}", f"   | {' ' * max(column - 1, 0)}^"]
     if problem.hint:
         lines.append(f"   = help: {problem.hint}")
     return "\n".join(lines)

@@ -9,6 +9,7 @@ from pathlib import Path
 from pyoxigraph import NamedNode, Quad, RdfFormat, Store, parse
 
 import ontology
+from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
 
 __all__ = ["collect", "graph_of", "load_store", "parse_problem", "read_into"]
@@ -18,7 +19,7 @@ LARGE = 1024 * 1024  # bytes: with no more, no literal can be too long
 
 
 def collect(paths: Iterable[Path | str]) -> tuple[Path, ...]:
-    """Turtle files among ``paths``; a folder stands for every ``*.ttl`` below it.
+    """Turtle files among ``paths``; a folder stands for every ``*.ttl`` :func:`~onto_compiler.folders.below` it.
 
     Raises:
         OntoError: TTL002, where a path does not exist or a folder holds no Turtle.
@@ -27,7 +28,7 @@ def collect(paths: Iterable[Path | str]) -> tuple[Path, ...]:
     found: list[Path] = []
     problems = []
     for given in map(Path, paths):
-        files = sorted(given.rglob("*.ttl")) if given.is_dir() else [given]
+        files = below(given, "*.ttl") if given.is_dir() else [given]
         if not given.exists():
             problems.append(_unreadable(given, f"`{given}` does not exist"))
         elif not files:
@@ -36,7 +37,7 @@ def collect(paths: Iterable[Path | str]) -> tuple[Path, ...]:
             found += files
     if problems:
         raise OntoError(*problems)
-    return tuple(dict.fromkeys(path.resolve() for path in found))
+    return tuple(dict.fromkeys(map(actual, found)))
 
 
 def load_store(extra: Sequence[Path | str] = (), *, shipped: bool = True) -> Store:

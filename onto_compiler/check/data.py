@@ -15,6 +15,7 @@ from urllib.parse import unquote, urlparse
 from pyoxigraph import NamedNode, Quad, RdfFormat, Triple, parse
 
 from onto_compiler.check.run import Report
+from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import OWL
 from onto_compiler.shacl.compile import compile_graph
@@ -88,7 +89,7 @@ def _graph(documents: Iterable[Document]) -> Graph:
 
 def _documents(paths: Sequence[Path | str], problems: list[Problem], *, imports: bool = False) -> list[Document]:
     """Every file of ``paths``; with ``imports``, also the local files that they import."""
-    todo = [found.resolve() for path in map(Path, paths) for found in _files(path, problems)]
+    todo = [actual(found) for path in map(Path, paths) for found in _files(path, problems)]
     read: dict[Path, Document] = {}
     while todo:
         path = todo.pop(0)
@@ -107,7 +108,7 @@ def _documents(paths: Sequence[Path | str], problems: list[Problem], *, imports:
 def _files(path: Path, problems: list[Problem]) -> list[Path]:
     if not path.is_dir():
         return [path]
-    found = sorted(file for file in path.rglob("*") if file.suffix.lower() in ENDINGS and file.is_file())
+    found = [file for file in below(path, "*") if file.suffix.lower() in ENDINGS and file.is_file()]
     if not found:
         problems.append(Problem(str(path), 0, 0, "TTL002", "error", f"`{path}` holds no RDF file", _HINT))
     return found

@@ -16,6 +16,7 @@ from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.prefixes import check_prefixes
 from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.rules import check_rules
+from onto_compiler.check.terms import check_terms
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import SH, shorten
 from onto_compiler.shacl.compile import compile_graph
@@ -52,7 +53,7 @@ def check_model(model: Model) -> tuple[Problem, ...]:
     """Every problem of the model's reported files, in file order."""
     problems = list(check_prefixes(model))
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
-    findings += [*check_hierarchy(model), *check_rules(model), *check_bindings(model)]
+    findings += [*check_hierarchy(model), *check_terms(model), *check_rules(model), *check_bindings(model)]
     findings += _shape_findings(model)
     # A value of the wrong class is often a contradiction too; the first word on a triple is the clearer one.
     told = {(finding.subject, finding.predicate, finding.object) for finding in findings}

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from onto_compiler.check.model import load_model
 from onto_compiler.check.run import Report, check
+from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
 
 __all__ = ["check_all", "check_tasks", "split"]
@@ -21,12 +22,12 @@ def split(paths: Sequence[Path | str]) -> tuple[tuple[Path, ...], tuple[Path, ..
     tasks: dict[Path, None] = {}
     for given in map(Path, paths):
         if given.is_dir():
-            found = sorted(given.rglob("*.bddl"))
-            tasks.update(dict.fromkeys(path.resolve() for path in found))
-            if not found or next(given.rglob("*.ttl"), None) is not None:
+            found = below(given, "*.bddl")
+            tasks.update(dict.fromkeys(map(actual, found)))
+            if not found or below(given, "*.ttl"):
                 turtle.append(given)
         elif given.suffix == ".bddl":
-            tasks[given.resolve()] = None
+            tasks[actual(given)] = None
         else:
             turtle.append(given)
     return tuple(turtle), tuple(tasks)

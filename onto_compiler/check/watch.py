@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from onto_compiler.folders import below
+
 __all__ = ["SUFFIXES", "changes", "stamps"]
 
 SUFFIXES = (".ttl", ".bddl")
@@ -17,7 +19,7 @@ def stamps(paths: Sequence[Path]) -> Stamps:
     """When each file of ``paths`` (or of the folders among them) was last written, in ns, and its size in bytes."""
     found: Stamps = {}
     for path in paths:
-        files = (file for file in path.rglob("*") if file.suffix in SUFFIXES) if path.is_dir() else (path,)
+        files = (file for file in below(path, "*") if file.suffix in SUFFIXES) if path.is_dir() else (path,)
         for file in files:
             try:
                 status = file.stat()

@@ -16,7 +16,7 @@ from onto_compiler.turtle.tokens import tokens
 
 pytestmark = pytest.mark.sim  # LIBERO's task files are seeds
 
-INPUTS = 500
+INPUTS = 600
 LONG = 20_000
 TASK = "(define (problem p) (:domain robosuite) (:language x) {} (:init) (:goal (On a b)))"
 

@@ -55,9 +55,9 @@ def test_a_header_without_its_parts_is_refused(tmp_path):
 def test_the_documented_example_is_a_check_that_runs(tmp_path):
     page = (ontology.ROOT.parent / "docs" / "checks.md").read_text(encoding="utf-8")
     block = re.search(r"(?s)```sparql\n(.*?)```", page)[1]
-    path = tmp_path / "voc011_shouting.rq"
+    path = tmp_path / "voc012_shouting.rq"
     path.write_text(textwrap.dedent(block))
     check = read_check(path)
-    assert check.code == "VOC011"
+    assert check.code == "VOC012"
     (tmp_path / "x.ttl").write_text('<https://e.org/a> <http://www.w3.org/2000/01/rdf-schema#label> "LOUD" , "Low" .\n')
     assert [finding.object.value for finding in run_query(load_model([tmp_path / "x.ttl"]), check)] == ["LOUD"]

@@ -16,7 +16,7 @@ from onto_compiler.rdf import CORE, OWL, RDF, RDFS, node, prologue
 from onto_compiler.schema import Binding, JointThreshold, PredicateSignature, Route, Schema, local_name
 from onto_compiler.sources import load_store
 
-__all__ = ["compile_schema", "load_schema"]
+__all__ = ["compile_schema", "load_schema", "read_hierarchy"]
 
 _PREDICATES = """
 SELECT ?this ?kind ?name ?domain ?range ?unit ?grounded ?definition WHERE {
@@ -71,7 +71,7 @@ def compile_schema(store: Store) -> Schema:
         OntoError: SCH001, where a declaration lacks what its table needs; `onto check` says it with the line.
 
     """
-    closure = _classes(store)
+    closure = read_hierarchy(store)
     categories, regions, defaults = _categories(store)
     return Schema(
         classes=closure,
@@ -88,7 +88,8 @@ def compile_schema(store: Store) -> Schema:
     )
 
 
-def _classes(store: Store) -> Hierarchy:
+def read_hierarchy(store: Store) -> Hierarchy:
+    """The classes of ``store`` with what is above each, by ``rdfs:subClassOf``."""
     above: dict[str, list[str]] = {}
     for quad in store.quads_for_pattern(None, node(RDFS + "subClassOf"), None, None):
         if not isinstance(quad.object, Literal):

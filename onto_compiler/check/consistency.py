@@ -72,8 +72,8 @@ def _suspects(model: Model, axioms: Axioms, classes: set[NamedNode]) -> set[Name
     clashes at another that is under no less.
     """
     upper = contentious(axioms, classes)
-    stand_ins = cast("list[NamedNode]", representatives(upper, classes))
-    closure = close(lean(axioms, upper), _facts(model, axioms.properties), _instances(stand_ins))
+    stand_ins = cast("list[NamedNode]", representatives(axioms, upper, classes))
+    closure = close(lean(axioms), _facts(model, axioms.properties), _instances(stand_ins))
     if not closure.clashes:
         return None
     about = {

@@ -16,12 +16,14 @@ from onto_compiler.check.agreement import check_agreement
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.model import Model
 from onto_compiler.check.patterns import Construct, Name, Step, read_construct
+from onto_compiler.compile_schema import read_hierarchy
 from onto_compiler.rdf import CORE, PREFIXES, SH
 from onto_compiler.turtle.tokens import Token, tokens
 
 __all__ = ["check_rules"]
 
 _CONSTRUCT = NamedNode(SH + "construct")
+_PREDICATE = CORE + "Predicate"
 _FAILURE_CLASS = CORE + "failureClass"
 _PLACE = re.compile(r"error at (\d+):(\d+): (.*)", re.DOTALL)
 _RULES = """
@@ -45,7 +47,6 @@ _LEAVES = """
 SELECT ?class ?priority WHERE {
     ?class rdfs:subClassOf+ core:PredicateFailure FILTER NOT EXISTS { ?narrower rdfs:subClassOf ?class }
     OPTIONAL { ?class core:priority ?priority } }"""
-_KINDS = "SELECT ?class ?above WHERE { ?class rdfs:subClassOf* ?above . ?above rdfs:subClassOf* core:Predicate }"
 _ROUTES = """
 SELECT ?failure ?kind ?residual WHERE {
     ?route core:admits ?failure ; core:supports ?kind
@@ -268,16 +269,14 @@ def _is_class(step: Step, query: Construct, class_valued: set[str]) -> bool:
 
 
 def _unrouted(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
-    above: dict[str, set[str]] = {}
-    for row in model.rows(_KINDS):
-        above.setdefault(_text(row["class"]), set()).add(_text(row["above"]))
+    above = read_hierarchy(model.store)
     failures = {_text(row["class"]) for row in model.rows(_FAILURES)}
     routes = [(_text(row["failure"]), _text(row["kind"]), _text(row["residual"])) for row in model.rows(_ROUTES)]
     admitted = {failure for failure, _, _ in routes}
     routed = {(failure, kind) for failure, kind, residual in routes if residual == "false"}
     used = sorted(_text(row["kind"]) for row in model.rows(_USED_KINDS))
     for rule in rules:
-        kinds = {name.iri: name for name in rule.query.names if name.iri in above}
+        kinds = {name.iri: name for name in rule.query.names if name.iri in above and _PREDICATE in above[name.iri]}
         for step in rule.query.writes:
             if step.predicate.iri != _FAILURE_CLASS or step.object not in failures:
                 continue
@@ -285,7 +284,7 @@ def _unrouted(model: Model, rules: list[_Rule]) -> Iterator[Finding]:
                 yield _no_route(rule, step, None)
                 continue
             for kind in kinds or used:  # a rule that names no kind concludes its failure of all
-                if not any((step.object, wider) in routed for wider in above[kind]):
+                if not any((step.object, wider) in routed for wider in above.get(kind, ())):
                     yield _no_route(rule, step, kind, kinds.get(kind))
 
 

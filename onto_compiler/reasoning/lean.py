@@ -8,7 +8,7 @@ n² / 2 of them. The premises of such a closure are not those that a person wrot
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 
 from onto_compiler.reasoning.axioms import Axioms, Fact, Term, owl
@@ -19,25 +19,43 @@ __all__ = ["contentious", "lean", "representatives"]
 
 def contentious(axioms: Axioms, classes: Iterable[Term]) -> dict[Term, frozenset[Term]]:
     """For each class, and each of ``classes``, the classes that matter among it and those above it."""
-    waiting = (axioms.both, axioms.disjoint, axioms.only, axioms.value, axioms.some_of, axioms.at_most)
-    wanted = {owl("Nothing"), *(cls for index in waiting for cls in index)}
-    wanted |= {qualifier for limits in axioms.at_most.values() for _, _, qualifier, _ in limits if qualifier}
-    edges = {cls: [to for to, _ in found] for cls, found in axioms.above.items()}
-    return above({**dict.fromkeys(classes, ()), **edges}, wanted)
+    return above({**dict.fromkeys(classes, ()), **_edges(axioms)}, _wanted(axioms))
 
 
-def lean(axioms: Axioms, upper: dict[Term, frozenset[Term]]) -> Axioms:
-    """``axioms``, in which each class is directly below those of ``upper``."""
+def lean(axioms: Axioms) -> Axioms:
+    """``axioms``, in which each class is directly below the next ones that matter."""
+    edges, wanted = _edges(axioms), _wanted(axioms)
+    following = above({cls: () if cls in wanted else found for cls, found in edges.items()}, wanted)
     shorter: defaultdict[Term, list[tuple[Term, Fact]]] = defaultdict(list)
     for cls, found in axioms.above.items():
-        shorter[cls] = [(to, found[0][1]) for to in upper[cls] if to != cls]
+        follows = {to: axiom for direct, axiom in found for to in following.get(direct, {direct} & wanted)}
+        shorter[cls] = list(follows.items())
     return replace(axioms, above=shorter)
 
 
-def representatives(upper: dict[Term, frozenset[Term]], classes: Iterable[Term]) -> list[Term]:
-    """One of ``classes`` for each different set of classes that matter; where nothing matters, nothing can clash."""
+def representatives(axioms: Axioms, upper: Mapping[Term, frozenset[Term]], classes: Collection[Term]) -> list[Term]:
+    """One of ``classes`` for each set of classes that matter, unless a subclass is under as many and more.
+
+    Where nothing matters, nothing can clash.
+    """
+    surpassed = {
+        to
+        for cls in classes
+        for to, _ in axioms.above.get(cls, ())
+        if upper[to] is not upper[cls] and upper[to] != upper[cls]
+    }
     chosen: dict[frozenset[Term], Term] = {}
     for cls in sorted(classes, key=lambda one: one.value):
-        if upper[cls]:
+        if upper[cls] and cls not in surpassed:
             chosen.setdefault(upper[cls], cls)
     return list(chosen.values())
+
+
+def _edges(axioms: Axioms) -> dict[Term, list[Term]]:
+    return {cls: [to for to, _ in found] for cls, found in axioms.above.items()}
+
+
+def _wanted(axioms: Axioms) -> set[Term]:
+    waiting = (axioms.both, axioms.disjoint, axioms.only, axioms.value, axioms.some_of, axioms.at_most)
+    counted = {qualifier for limits in axioms.at_most.values() for _, _, qualifier, _ in limits if qualifier}
+    return {owl("Nothing"), *counted, *(cls for index in waiting for cls in index)}

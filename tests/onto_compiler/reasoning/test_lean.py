@@ -63,7 +63,7 @@ def test_stand_ins_clash_where_some_class_does(under, apart):
     classes = [NamedNode(f"https://e.org/C{number}") for number in range(8)]
     upper = contentious(axioms, classes)
     full = close(axioms, (), instances(classes))
-    short = close(lean(axioms, upper), (), instances(representatives(upper, classes)))
+    short = close(lean(axioms), (), instances(representatives(axioms, upper, classes)))
     assert bool(full.clashes) == bool(short.clashes)
     held = {clash.about.value.removeprefix("urn:some:") for clash in full.clashes}
     clashing = [upper[NamedNode(clash.about.value.removeprefix("urn:some:"))] for clash in short.clashes]
@@ -76,7 +76,7 @@ def test_a_chain_of_classes_costs_a_fact_or_two(depth):
     _, axioms = of(chain + ":C0 owl:disjointWith :D .")
     classes = [NamedNode(f"https://e.org/C{number}") for number in range(depth)]
     upper = contentious(axioms, classes)
-    closure = close(lean(axioms, upper), (), instances(representatives(upper, classes)))
+    closure = close(lean(axioms), (), instances(representatives(axioms, upper, classes)))
     assert len(closure.premises) <= 2
 
 

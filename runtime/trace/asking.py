@@ -8,7 +8,7 @@ import os
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from pyoxigraph import RdfFormat
@@ -23,10 +23,11 @@ from onto_compiler.problems import OntoError
 from runtime.summary import episode_summary
 from runtime.trace.find import find_episode
 from runtime.trace.narrate import narrate
+from runtime.trace.reasons import load_reasons
 from runtime.trace.sparql import Answer, Cell, csv_rows, named_queries, named_query, plain, words
 from runtime.trace.store import Trace, dump
 
-__all__ = ["export", "listing", "print_answer", "query", "show"]
+__all__ = ["explain", "export", "listing", "print_answer", "query", "show"]
 
 _FORMATS = {"trig": RdfFormat.TRIG, "nquads": RdfFormat.N_QUADS, "jsonld": RdfFormat.JSON_LD}
 _WIDTH = 80
@@ -104,14 +105,23 @@ def show(trace: Trace, wanted: str, shape: str, ontology: Sequence[str]) -> int:
     if shape == "json":
         print_json(episode_summary(episode, schema))
         return CLEAN
-    width = min(shutil.get_terminal_size((_WIDTH, 24)).columns, 110)
-    for line in narrate(episode, schema):
-        body = line.lstrip()
-        indent = line[: len(line) - len(body)]
-        hanging = f"{indent}    "
-        wrapper = textwrap.TextWrapper(width, initial_indent=indent, subsequent_indent=hanging)
-        wrapper.break_long_words = wrapper.break_on_hyphens = False
-        sys.stdout.write(wrapper.fill(body) + "\n")
+    _tell(narrate(episode, schema))
+    return CLEAN
+
+
+def explain(trace: Trace, wanted: str, shape: str, ontology: Sequence[str]) -> int:
+    """One episode with the reason of each decision, in sentences or as JSON."""
+    episode = trace.episode(find_episode(wanted, trace.episodes()))
+    schema = load_schema(*ontology)
+    reasons = load_reasons(schema, ontology)
+    if shape == "json":
+        summary = episode_summary(episode, schema)
+        told = [
+            {**one, **reasons.of_attempt(turn)} for one, turn in zip(summary["history"], episode.attempts, strict=True)
+        ]
+        print_json({**summary, "history": told})
+    else:
+        _tell(narrate(episode, schema, reasons))
     return CLEAN
 
 
@@ -127,6 +137,18 @@ def export(trace: Trace, shape: str, output: str | None) -> int:
         hint = "name a file that you may write"
         raise OntoError.of("TRC001", f"cannot write `{output}`: {error.strerror}", hint, output) from error
     return CLEAN
+
+
+def _tell(lines: Iterable[str]) -> None:
+    """Print lines, each wrapped to the terminal at its own indentation."""
+    width = min(shutil.get_terminal_size((_WIDTH, 24)).columns, 110)
+    for line in lines:
+        body = line.lstrip()
+        indent = line[: len(line) - len(body)]
+        hanging = f"{indent}    "
+        wrapper = textwrap.TextWrapper(width, initial_indent=indent, subsequent_indent=hanging)
+        wrapper.break_long_words = wrapper.break_on_hyphens = False
+        sys.stdout.write(wrapper.fill(body) + "\n")
 
 
 def print_answer(answer: Answer, shape: str) -> None:

@@ -1,4 +1,4 @@
-"""``onto trace``: question, list, show and export recorded episodes."""
+"""``onto trace``: question, list, show, explain and export recorded episodes."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ onto trace query --named repairs
 onto trace query my_question.rq out/demo/trace.trig --format csv
 onto trace list
 onto trace show put_the_bowl_on_the_plate
+onto trace explain put_the_bowl_on_the_plate
 onto trace export --format nquads > trace.nq"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Declare the four subcommands; every one can name the trace and a person's own ontology."""
+    """Declare the five subcommands; every one can name the trace and a person's own ontology."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     query = actions.add_parser("query", help="ask a trace with SPARQL", description=_query.__doc__)
     query.add_argument("words", nargs="*", metavar="FILE.rq [TRACE]", help=f"the query, then {_WHERE}")
@@ -36,11 +37,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     show.add_argument("episode", metavar="EPISODE", help="a number of `onto trace list`, a task name or a part of one")
     show.add_argument("trace", nargs="?", metavar="TRACE", help=_WHERE)
     _add_format(show, "text", "json")
+    explain = actions.add_parser("explain", help="tell why, decision by decision", description=_explain.__doc__)
+    explain.add_argument("episode", metavar="EPISODE", help="as of `onto trace show`")
+    explain.add_argument("trace", nargs="?", metavar="TRACE", help=_WHERE)
+    _add_format(explain, "text", "json")
     export = actions.add_parser("export", help="write a trace in another RDF format", description=_export.__doc__)
     export.add_argument("trace", nargs="?", metavar="TRACE", help=_WHERE)
     export.add_argument("--format", choices=("trig", "nquads", "jsonld"), default="trig", help="what to write")
     export.add_argument("--output", metavar="FILE", help="where to write it; left out: standard output")
-    for action in (query, listing, show, export):
+    for action in (query, listing, show, explain, export):
         add_ontology(action)
 
 
@@ -51,7 +56,8 @@ def _add_format(parser: argparse.ArgumentParser, *choices: str) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Carry out the chosen subcommand."""
-    action = {"query": _query, "list": _list, "show": _show, "export": _export}[options.action]
+    actions = {"query": _query, "list": _list, "show": _show, "explain": _explain, "export": _export}
+    action = actions[options.action]
     return action(options)
 
 
@@ -80,6 +86,13 @@ def _show(options: argparse.Namespace) -> int:
     from runtime.trace.asking import show  # noqa: PLC0415 - keeps `onto --help` quick
 
     return show(_open(options.trace, options.ontology), options.episode, options.format, options.ontology)
+
+
+def _explain(options: argparse.Namespace) -> int:
+    """Tell one episode with the reasons: each rule with its place, and the routes that would have done as well."""
+    from runtime.trace.asking import explain  # noqa: PLC0415 - keeps `onto --help` quick
+
+    return explain(_open(options.trace, options.ontology), options.episode, options.format, options.ontology)
 
 
 def _export(options: argparse.Namespace) -> int:

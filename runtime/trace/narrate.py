@@ -11,6 +11,7 @@ from onto_compiler.schema import Schema, local_name
 from onto_compiler.tables import ABSENT, EXHAUSTED, EXPLICITLY_FALSE, MARGIN_VIOLATED, REPEAT, SATISFIED, STATUSES
 from runtime.diagnosis import evidence_status
 from runtime.records import Attempt, Diagnosis, Episode, RouteDecision, Verification
+from runtime.trace.reasons import Reasons
 
 __all__ = ["amount", "atom", "chain", "narrate", "outcome_sentence", "premise_sentence", "short_name", "unit_of"]
 
@@ -66,8 +67,11 @@ def outcome_sentence(outcome: str) -> str:
     return _OUTCOMES[outcome]
 
 
-def narrate(episode: Episode, schema: Schema) -> Iterator[str]:
-    """The whole episode as lines of text; a line that begins with two spaces belongs to the one before it."""
+def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) -> Iterator[str]:
+    """The whole episode as lines of text; a line that is indented further belongs to the one before it.
+
+    With ``reasons``, each decision is followed by what led to it.
+    """
     yield f"{episode.task} ({episode.suite}, initial state {episode.state_index}, seed {episode.seed})"
     if episode.required.language:
         yield f"  Instruction: {episode.required.language}."
@@ -77,7 +81,7 @@ def narrate(episode: Episode, schema: Schema) -> Iterator[str]:
     yield from _state("At the start", episode.required.facts, episode.initial, schema)
     for attempt in episode.attempts:
         yield f"Attempt {attempt.index + 1}"
-        yield from (f"  {sentence}" for sentence in chain(attempt, schema))
+        yield from (f"  {sentence}" for sentence in chain(attempt, schema, reasons))
     yield "Outcome"
     yield f"  {outcome_sentence(episode.outcome)}"
     if episode.verification is not None and not episode.attempts:
@@ -90,14 +94,19 @@ def _choice(episode: Episode) -> str:
     return f", of which any of {number} alternatives will do" if number else ""
 
 
-def chain(attempt: Attempt, schema: Schema) -> Iterator[str]:
-    """One attempt as sentences: fact, diagnosis, route, application, verification."""
+def chain(attempt: Attempt, schema: Schema, reasons: Reasons | None = None) -> Iterator[str]:
+    """One attempt as sentences: fact, diagnosis, route, application, verification; reasons are indented."""
     for diagnosis in attempt.diagnoses:
         yield _found(diagnosis, schema)
         rule = schema.labels.get(diagnosis.rule, local_name(diagnosis.rule))
         failure = short_name(diagnosis.failure, schema)
         yield f'Diagnosis: {failure}, by the rule "{rule}", priority {diagnosis.priority}.'
+        if reasons is not None:
+            yield from (f"  {sentence}" for sentence in reasons.of_diagnosis(diagnosis))
     yield _routed(attempt.selected, schema, several=len(attempt.diagnoses) > 1)
+    if reasons is not None:
+        told = (*reasons.of_selection(attempt), *reasons.of_route(attempt.selected))
+        yield from (f"  {sentence}" for sentence in told)
     if attempt.application is not None:
         application, proposal = attempt.application, attempt.application.proposal
         moved = f"{len(proposal.changed)} coordinate{'s' if len(proposal.changed) != 1 else ''} of qpos"

@@ -9,6 +9,8 @@ import json
 import pytest
 from pyoxigraph import RdfFormat, Store
 
+import ontology
+from onto_compiler.rdf import BASE
 from runtime.cli import main
 from runtime.trace.sparql import named_queries
 from runtime.trace.store import TraceStore
@@ -118,6 +120,7 @@ def test_a_syntax_error_is_one_message_with_its_line_and_a_caret(workplace, caps
         (["show", "put_the_bowl"], "TRC006", "name one of"),
         (["show", "take_the_bawl_off"], "TRC006", "did you mean `take_the_bowl_off`?"),
         (["show", "99"], "TRC006", "from 1 to 6"),
+        (["explain", "take_the_bawl_off"], "TRC006", "did you mean `take_the_bowl_off`?"),
         (["qery"], "CLI002", "did you mean `query`?"),
     ],
 )
@@ -170,6 +173,70 @@ def test_show_tells_of_absent_evidence_broken_premises_and_faults(workplace, cap
         in " ".join(onto(capsys, "show", "turn_on_the_stove/1").out.split())
     )
     assert "Fault: qpos[3] is not finite." in onto(capsys, "show", "plate/2").out
+
+
+RULES = "ontology/rules"
+
+
+def line_of(file, subject):
+    """The line of a shipped rule file that a subject's block begins on."""
+    lines = (ontology.ROOT / "rules" / file).read_text().splitlines()
+    return next(number for number, line in enumerate(lines, 1) if line.startswith(f"{subject} "))
+
+
+def test_explain_gives_the_reason_of_each_decision(workplace, capsys):
+    shown, _ = onto(capsys, "show", "libero_goal/put_the_bowl_on_the_plate/0")
+    out, _ = onto(capsys, "explain", "libero_goal/put_the_bowl_on_the_plate/0")
+    assert max(map(len, out.splitlines())) <= 80
+    text = " ".join(out.split())
+    for sentence in (
+        "Required at put_the_bowl_on_the_plate.bddl:87:10.",
+        "The rule: A required relation that is absent or explicitly false is missing.",
+        f"{RULES}/diagnosis.ttl:{line_of('diagnosis.ttl', 'rule:relation_missing')} <{BASE}rules#relation_missing>.",
+        "`object_relation_predicate` admits relation_missing and supports ObjectRelation, the kind of `on`.",
+        f"{RULES}/routing.ttl:{line_of('routing.ttl', 'rule:dispatch')} <https://w3id.org/onto-evwm/rules#dispatch>.",
+        "Eligible as well: `source_joint_residual`, to which `object_relation_predicate` leaves what it fails at.",
+        "`object_relation_predicate` names `source_joint_residual` for rejections.",
+        "`source_joint_residual` admits relation_missing and supports ObjectRelation",
+        "Eligible as well: `object_relation_predicate`.",
+    ):
+        assert sentence in text
+    kept = iter(out.splitlines())
+    assert all(line in kept for line in shown.splitlines()), "what `show` tells is told here too, in its order"
+
+
+def test_explain_says_why_one_of_several_failures_came_first(workplace, capsys):
+    text = " ".join(onto(capsys, "explain", "take").out.split())
+    found = json.loads(onto(capsys, "explain", "take", "--json").out)["history"][0]["diagnoses"]
+    chosen = next(each for each in found if each["selected"])
+    assert len(found) == 2
+    assert chosen["priority"] == min(each["priority"] for each in found)
+    assert f"Chosen before 1 other: priority {chosen['priority']} is the least" in text
+
+
+def test_explain_has_the_same_reasons_as_json(workplace, capsys):
+    told = json.loads(onto(capsys, "explain", "libero_goal/put_the_bowl_on_the_plate/0", "--json").out)
+    shown = json.loads(onto(capsys, "show", "libero_goal/put_the_bowl_on_the_plate/0", "--json").out)
+    assert told["required"] == shown["required"]
+    first, second = told["history"]
+    rule = first["diagnoses"][0]["rule"]
+    assert (rule["label"], rule["file"]) == ("relation missing", f"{RULES}/diagnosis.ttl")
+    assert rule["line"] == line_of("diagnosis.ttl", "rule:relation_missing")
+    assert first["route"]["name"] == "object_relation_predicate"
+    assert first["route"]["also_eligible"] == ["source_joint_residual"]
+    assert second["route"]["after"] == "object_relation_predicate"
+    assert second["route"]["decision"] == "reroute"
+    assert second["verification"] == shown["history"][1]["verification"]
+
+
+def test_a_rule_of_ones_own_is_explained_from_ones_own_file(workplace, capsys):
+    mine = workplace / "mine.ttl"
+    text = (ontology.ROOT / "rules" / "diagnosis.ttl").read_text()
+    mine.write_text("\n\n" + text.replace("that is absent or explicitly false is missing", "that we miss is missing"))
+    out, _ = onto(capsys, "explain", "libero_goal/put_the_bowl_on_the_plate/0", "--ontology", "mine.ttl")
+    words = " ".join(out.split())
+    assert "The rule: A required relation that we miss is missing." in words
+    assert f"Its place: mine.ttl:{line_of('diagnosis.ttl', 'rule:relation_missing') + 2} <" in words
 
 
 @pytest.mark.parametrize(

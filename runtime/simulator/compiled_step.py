@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -52,10 +52,19 @@ class CompiledStepper:
         self._side = sides(self._scene.model.ngeom, entities)
         self.touched = np.zeros((len(entities), len(entities)), dtype=np.bool_)
 
-    def step(self, action: NDArray[np.float64]) -> None:
-        """Take one control step with ``action`` (7,), finite."""
+    def step(self, action: NDArray[np.float64], glance: Callable[[], object] | None = None) -> None:
+        """Take one control step with ``action`` (7,), finite; ``glance`` is called before the last substep."""
         self._before[:] = self._flat
-        control_step(self._at, self._arm, self._control, action, self._scene.substeps, self._side, self.touched)
+        last = self._scene.substeps
+        if glance is None:
+            self._advance(action, 0, last)
+            return
+        self._advance(action, 0, last - 1)
+        glance()
+        self._advance(action, last - 1, last)
+
+    def _advance(self, action: NDArray[np.float64], first: int, last: int) -> None:
+        control_step(self._at, self._arm, self._control, action, first, last, self._side, self.touched)
 
     def take(self, *, before: bool = False) -> tuple[NDArray[np.float64], dict[str, Any]]:
         """Copy the gripper's current action and the controller's state, now or ``before`` the last step."""

@@ -6,7 +6,7 @@ Source: robosuite 1.4.0, ``environments/base.py`` (``step``) and ``robots/single
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import mujoco
@@ -59,12 +59,14 @@ class ExactStepper:
         self._side = sides(self._model.ngeom, entities)
         self.touched = np.zeros((len(entities), len(entities)), dtype=np.bool_)
 
-    def step(self, action: NDArray[np.float64]) -> None:
-        """Take one control step with ``action`` (7,), finite."""
+    def step(self, action: NDArray[np.float64], glance: Callable[[], object] | None = None) -> None:
+        """Take one control step with ``action`` (7,), finite; ``glance`` is called before the last substep."""
         self._before = self.take()
         model, data, controller, arm = self._model, self._data, self._controller, self._scene.arm
         gripper = np.sign(action[6:])
         for substep in range(self._scene.substeps):
+            if glance is not None and substep == self._scene.substeps - 1:
+                glance()
             mujoco.mj_forward(model, data)
             if substep == 0:
                 controller.set_goal(action[:6])

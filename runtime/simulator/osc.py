@@ -263,17 +263,18 @@ def control_step(
     arm: Arm,
     control: Control,
     action: Floats,
-    substeps: int,
+    first: int,
+    last: int,
     side: NDArray[np.int16],
     touched: NDArray[np.bool_],
 ) -> None:
-    """Take one control step with ``action`` (7,), clipped to [-1, 1].
+    """Take the substeps from ``first`` up to ``last`` of one control step with ``action`` (7,), clipped to [-1, 1].
 
     ``side`` (ngeom,) numbers the geoms of interest, -1 for the others; ``touched`` (k, k) is set where two of them met
     in any substep.
     """
     clipped = np.minimum(np.maximum(action, -1.0), 1.0)
-    for substep in range(substeps):
+    for substep in range(first, last):
         mj_step1(at.model, at.data)
         if side.size:
             _touch(at, side, touched)

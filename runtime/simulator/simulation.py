@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 import mujoco
@@ -34,8 +34,11 @@ class Stepper(Protocol):
         """Set ``touched`` (k, k) from now on where geoms of two of ``entities`` meet in any substep."""
         ...
 
-    def step(self, action: NDArray[np.float64]) -> None:
-        """Take one control step with ``action`` (7,), finite; it is clipped to [-1, 1]."""
+    def step(self, action: NDArray[np.float64], glance: Callable[[], object] | None = None) -> None:
+        """Take one control step with ``action`` (7,), finite; it is clipped to [-1, 1].
+
+        ``glance`` is called before the last substep.
+        """
         ...
 
     def take(self, *, before: bool = False) -> tuple[NDArray[np.float64], dict[str, Any]]:
@@ -99,9 +102,10 @@ class Simulation:
         data.qvel[:] = flat[1 + nq :]
         mujoco.mj_forward(self.model, data)
 
-    def step(self, action: ArrayLike) -> None:
+    def step(self, action: ArrayLike, glance: Callable[[], object] | None = None) -> None:
         """Take one control step (1/20 s) with an OSC_POSE action (7,), clipped to [-1, 1].
 
+        ``glance`` may read :attr:`data` before the last substep: that is when LIBERO observes.
         Raises ``SIM021`` for an action that is not seven finite numbers, and :class:`RunFault` with the last good
         snapshot where the state diverges; that snapshot is then the state.
         """
@@ -111,7 +115,7 @@ class Simulation:
             raise OntoError.of("SIM021", f"an action of {what}", "OSC_POSE takes seven finite numbers in [-1, 1]")
         mujoco.mj_getState(self.model, self.data, self._good, FULL)
         time = self.data.time
-        self._stepper.step(given)
+        self._stepper.step(given, glance)
         self.steps += 1
         if self.data.time <= time or not self._finite():
             self.steps -= 1

@@ -183,6 +183,18 @@ def test_a_divergence_is_a_run_fault_that_carries_the_last_good_state(scene, sta
     assert made.steps == 4
 
 
+@pytest.mark.parametrize("exact", [True, False])
+def test_a_glance_sees_the_state_before_the_last_substep_and_changes_nothing(scene, state, actions, exact):
+    plain, seen = simulation(scene, state, exact=exact), simulation(scene, state, exact=exact)
+    times = []
+    for action in actions[:6]:
+        plain.step(action)
+        seen.step(action, lambda: times.append(seen.data.time))
+    assert np.array_equal(plain.data.qpos, seen.data.qpos)
+    ends = (np.arange(6) + 1) / 20
+    assert np.allclose(np.array(times) - state[0], ends - scene.model.opt.timestep)
+
+
 @pytest.mark.parametrize("action", [np.zeros(6), np.zeros(8), [0, 0, np.nan, 0, 0, 0, 1], [np.inf] * 7])
 def test_an_action_that_is_none_is_refused(scene, state, action):
     made = simulation(scene, state)

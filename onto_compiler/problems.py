@@ -42,11 +42,13 @@ class Problem:
     severity: str  # "error" | "warning"
     message: str
     hint: str = ""
+    end_line: int = 0  # the end is exclusive; 0 where only the start is known
+    end_column: int = 0
 
     @classmethod
     def at(cls, span: Span, code: str, message: str, hint: str = "", severity: str = "error") -> Problem:
         """Build a problem at ``span``."""
-        return cls(span.file, span.line, span.column, code, severity, message, hint)
+        return cls(span.file, span.line, span.column, code, severity, message, hint, span.end_line, span.end_column)
 
     def as_dict(self) -> dict[str, str | int]:
         """The record that ``--format json`` prints."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.groups import Group, groups
@@ -67,7 +67,7 @@ def format_text(text: str, file: str = "<string>") -> str:
 
 def _lost(problem: Problem) -> Problem:
     message = f"{problem.message}, so formatting would drop it"
-    return Problem(problem.file, problem.line, problem.column, codes.PASSED_OVER, "error", message, problem.hint)
+    return replace(problem, code=codes.PASSED_OVER, severity="error", message=message)
 
 
 def _comments(text: str) -> list[_Comment]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from difflib import SequenceMatcher
 
 from onto_compiler.check.model import Model
-from onto_compiler.problems import Problem
+from onto_compiler.problems import Problem, Span
 from onto_compiler.rdf import PREFIXES
 
 __all__ = ["check_prefixes"]
@@ -25,24 +25,20 @@ def check_prefixes(model: Model) -> Iterator[Problem]:
             name, namespace = match[1], match[2]
             line = text.count("\n", 0, match.start(1)) + 1
             column = match.start(1) - text.rfind("\n", 0, match.start(1))
+            span = Span(str(path), line, column, line, column + len(name) + 1)
             usual = PREFIXES.get(name, namespace)
             if usual != namespace and SequenceMatcher(None, usual, namespace).ratio() >= _SIMILAR:
-                yield Problem(
-                    str(path),
-                    line,
-                    column,
+                yield Problem.at(
+                    span,
                     "TTL008",
-                    "error",
                     f"the prefix `{name}:` stands for <{namespace}>, not for <{usual}>",
                     f"write <{usual}>, or choose another prefix for another namespace",
                 )
             elif not re.search(rf"(?<![\w.-]){re.escape(name)}:(?!\s*<)", text):
-                yield Problem(
-                    str(path),
-                    line,
-                    column,
+                yield Problem.at(
+                    span,
                     "TTL007",
-                    "warning",
                     f"the prefix `{name}:` is declared and never used",
                     "remove the declaration",
+                    "warning",
                 )

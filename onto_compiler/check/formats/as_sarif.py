@@ -62,9 +62,17 @@ def _result(problem: Problem, index: int) -> dict[str, Any]:
     if problem.file:
         place: dict[str, Any] = {"artifactLocation": _artifact(problem.file)}
         if problem.line:
-            place["region"] = {"startLine": problem.line, "startColumn": max(problem.column, 1)}
+            place["region"] = _region(problem)
         result["locations"] = [{"physicalLocation": place}]
     return result
+
+
+def _region(problem: Problem) -> dict[str, int]:
+    """Where the problem starts and, where that is known, ends; the end is exclusive, as SARIF has it."""
+    start = (problem.line, max(problem.column, 1))
+    end = (problem.end_line, problem.end_column)
+    region = {"startLine": start[0], "startColumn": start[1]}
+    return region | {"endLine": end[0], "endColumn": end[1]} if end >= start else region
 
 
 def _artifact(file: str) -> dict[str, str]:

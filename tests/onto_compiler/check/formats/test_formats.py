@@ -2,21 +2,26 @@
 
 import json
 import re
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import pydantic
 import pytest
+from pydantic_sarif.model import StaticAnalysisResultsFormatSarifVersion210JsonSchema as SarifSchema
 
 from onto_compiler.check.formats import FORMATS, Checked, render
 from onto_compiler.check.pages import codes
+from onto_compiler.check.tasks import check_all
 from onto_compiler.problems import Problem
 
 PROBLEMS = (
     Problem("a b/100%.ttl", 3, 7, "VOC001", "error", 'says: "50 %", a,b\r\nand\x00 <so on>', "did you & mean?"),
     Problem("a b/100%.ttl", 9, 1, "VOC001", "error", "again", ""),
-    Problem("a b/100%.ttl", 9, 2, "TTL007", "warning", "unused", "remove it"),
+    Problem("a b/100%.ttl", 9, 2, "TTL007", "warning", "unused", "remove it", 9, 6),
     Problem("/abs/x.ttl", 0, 0, "TTL002", "error", "is missing", "give it"),
     Problem("warned.ttl", 1, 1, "TTL007", "warning", "unused", "remove it"),
 )
+BROKEN = Path(__file__).parents[2]
 CHECKED = Checked(PROBLEMS, ("a b/100%.ttl", "clean.ttl", "warned.ttl"))
 
 
@@ -62,9 +67,58 @@ def test_sarif_has_what_version_2_1_0_requires():
         (location,) = result["locations"]
         place = location["physicalLocation"]
         if problem.line:
-            assert place["region"] == {"startLine": problem.line, "startColumn": problem.column}
+            assert (place["region"]["startLine"], place["region"]["startColumn"]) == (problem.line, problem.column)
         else:
             assert "region" not in place, "lines count from 1: a file as a whole has no region"
+
+
+def regions(text):
+    (run,) = json.loads(text)["runs"]
+    return [result["locations"][0]["physicalLocation"].get("region") for result in run["results"]]
+
+
+def test_sarif_says_where_a_problem_ends_if_that_is_known():
+    start = {"startLine": 9, "startColumn": 2}
+    ends = [(0, 0), (9, 6), (11, 1), (9, 2), (9, 1), (8, 9)]
+    found = [Problem("x.ttl", 9, 2, "TTL007", "warning", "m", "", *end) for end in ends]
+    assert regions(render("sarif", Checked(tuple(found), ("x.ttl",)))) == [
+        start,
+        {**start, "endLine": 9, "endColumn": 6},
+        {**start, "endLine": 11, "endColumn": 1},
+        {**start, "endLine": 9, "endColumn": 2},
+        start,
+        start,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("name", "marked"),
+    [
+        ("check/broken/voc001_undeclared_class.ttl", "man:Objekt"),
+        ("check/broken/ttl007_unused_prefix.ttl", "dcterms:"),
+        ("bddl/broken/unknown_predicate.bddl", "Onn"),
+    ],
+)
+def test_a_region_is_what_the_problem_speaks_of(name, marked):
+    (problem,) = check_all([BROKEN / name]).problems
+    (region,) = regions(render("sarif", Checked((problem,), (name,))))
+    lines = (BROKEN / name).read_text().splitlines()
+    assert region["startLine"] == region["endLine"]
+    assert lines[region["startLine"] - 1][region["startColumn"] - 1 : region["endColumn"] - 1] == marked
+
+
+def test_sarif_meets_its_schema():
+    turtle = {file.name[:3]: file for file in sorted((BROKEN / "check/broken").glob("*.ttl"))}  # one of each family
+    assert len(turtle) >= 9
+    found = list(check_all([BROKEN / "bddl/broken"]).problems)
+    for file in turtle.values():
+        found += check_all([file]).problems
+    log = json.loads(render("sarif", Checked((*PROBLEMS, *found), tuple(map(str, turtle.values())))))
+    assert len(log["runs"][0]["results"]) > 90
+    SarifSchema.model_validate(log)
+    log["runs"][0]["results"][0]["ruleIdx"] = 0
+    with pytest.raises(pydantic.ValidationError, match="ruleIdx"):
+        SarifSchema.model_validate(log)
 
 
 def test_sarif_addresses_are_relative_to_the_checkout_or_absolute():

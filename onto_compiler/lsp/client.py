@@ -16,9 +16,12 @@ _PROGRAM = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]
 
 
 class Client:
-    """A server process and the messages to and from it; ``log`` holds every notification in order."""
+    """A server process and the messages to and from it; ``log`` holds every notification in order.
 
-    def __init__(self, *arguments: str) -> None:
+    ``folder`` is the workspace that the editor has open.
+    """
+
+    def __init__(self, *arguments: str, folder: Path | None = None) -> None:
         command = [sys.executable, "-c", _PROGRAM, "lsp", *arguments]
         self.process = subprocess.Popen(  # noqa: S603 - our own program
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -26,9 +29,10 @@ class Client:
         self.log: list[Mapping[str, Any]] = []
         self._number = 0
         self._versions: dict[str, int] = {}
-        self.capabilities = self.ask(
-            "initialize", {"processId": None, "rootUri": None, "capabilities": {"general": {}}}
-        )["capabilities"]
+        start: dict[str, object] = {"processId": None, "rootUri": None, "capabilities": {"general": {}}}
+        if folder is not None:
+            start["workspaceFolders"] = [{"uri": folder.as_uri(), "name": folder.name}]
+        self.capabilities = self.ask("initialize", start)["capabilities"]
         self.tell("initialized", {})
 
     def __enter__(self) -> Self:

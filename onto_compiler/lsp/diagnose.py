@@ -6,7 +6,7 @@ the typing stops. Until then, what only the whole check finds stays where the te
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,15 +22,21 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.schema import Schema
 from onto_compiler.sources import read_into
 
-__all__ = ["moved", "quick_turtle", "task_problems", "whole_turtle"]
+__all__ = ["NOTHING", "Around", "moved", "quick_turtle", "task_problems", "whole_turtle"]
+
+Around = Mapping[Path, str | None]
+NOTHING: Around = {}
 
 
-def quick_turtle(path: Path, text: str) -> tuple[Problem, ...]:
-    """Syntax, prefixes, and the checks that are quick, of ``text`` as the content of ``path``."""
+def quick_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Problem, ...]:
+    """Syntax, prefixes, and the checks that are quick, of ``text`` as the content of ``path``.
+
+    ``around`` are the other files of the same ontology, each with its text where that is not what is on disk.
+    """
     if not path.exists():  # a buffer that was never saved has no place among other files
         return tuple(read_into(Store(), path, text))
     try:
-        model = load_model([path], {path: text})
+        model = load_model([path, *around], _texts(path, text, around))
     except OntoError as error:
         return _own(path, error.problems)
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
@@ -39,9 +45,11 @@ def quick_turtle(path: Path, text: str) -> tuple[Problem, ...]:
     return _own(path, sorted(problems))
 
 
-def whole_turtle(path: Path, text: str) -> tuple[Problem, ...]:
-    """Everything that ``onto check`` says of ``text`` as the content of ``path``."""
-    return _own(path, check([path], {path: text}).problems) if path.exists() else quick_turtle(path, text)
+def whole_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Problem, ...]:
+    """Everything that ``onto check`` says of ``text`` as the content of ``path``, with the files ``around`` it."""
+    if not path.exists():
+        return quick_turtle(path, text)
+    return _own(path, check([path, *around], _texts(path, text, around)).problems)
 
 
 def task_problems(path: Path, text: str, schema: Schema) -> tuple[Problem, ...]:
@@ -73,6 +81,10 @@ def moved(problems: Iterable[Problem], before: str, after: str) -> tuple[Problem
             end = problem.end_line and problem.end_line + down
             kept.append(replace(problem, line=problem.line + down, end_line=end))
     return tuple(kept)
+
+
+def _texts(path: Path, text: str, around: Around) -> dict[Path, str]:
+    return {**{file: held for file, held in around.items() if held is not None}, path: text}
 
 
 def _own(path: Path, problems: Iterable[Problem]) -> tuple[Problem, ...]:

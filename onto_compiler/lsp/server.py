@@ -12,15 +12,18 @@ from lsprotocol import types
 from pygls import uris
 from pygls.lsp.server import LanguageServer
 from pygls.workspace import ServerTextPosition, ServerTextRange, TextDocument
+from pyoxigraph import Store
 
 from onto_compiler.check.model import load_model
 from onto_compiler.compile_schema import compile_schema
 from onto_compiler.lsp import bddl, turtle
 from onto_compiler.lsp.answers import Offer
-from onto_compiler.lsp.diagnose import moved, quick_turtle, task_problems, whole_turtle
+from onto_compiler.lsp.diagnose import NOTHING, Around, moved, quick_turtle, task_problems, whole_turtle
+from onto_compiler.lsp.siblings import header, siblings, turtle_below
 from onto_compiler.lsp.vocabulary import Term, read_vocabulary
 from onto_compiler.problems import OntoError, Problem, Span
 from onto_compiler.schema import Schema
+from onto_compiler.sources import read_into
 from onto_compiler.turtle.tokens import Source
 
 __all__ = ["make_server"]
@@ -46,6 +49,7 @@ class OntoServer(LanguageServer):
         self.schema: Schema | None = None
         self.settled: dict[str, tuple[str, tuple[Problem, ...]]] = {}
         self.waiting: dict[str, asyncio.Task[None]] = {}
+        self.siblings: dict[str, tuple[Path, ...]] = {}
 
     def compiled(self) -> Schema:
         """The schema of the shipped ontology with the files of ``--ontology`` on top."""
@@ -56,13 +60,34 @@ class OntoServer(LanguageServer):
     def vocabulary(self, document: TextDocument) -> Mapping[str, Term]:
         """Every term in sight of a Turtle document; while it is broken, what was in sight before."""
         path, text = _path(document), document.source
-        given = [*self.extra, *([path] if path.exists() else [])]
+        around = self.around(document.uri)
+        given = [*self.extra, *around, *([path] if path.exists() else [])]
+        texts = {file: held for file, held in around.items() if held is not None}
         try:
-            self.vocabularies[document.uri] = read_vocabulary(load_model(given, {path: text}).store)
+            self.vocabularies[document.uri] = read_vocabulary(load_model(given, {**texts, path: text}).store)
         except OntoError:
             if document.uri not in self.vocabularies:
                 self.vocabularies[document.uri] = read_vocabulary(load_model().store)
         return self.vocabularies[document.uri]
+
+    def gather(self, uri: str, path: Path, text: str) -> None:
+        """Find the files that belong to a document; without a workspace, among those of its folder."""
+        folders = [
+            Path(name).resolve() for one in self.workspace.folders.values() if (name := uris.to_fs_path(one.uri))
+        ]
+        inside = [folder for folder in folders if path.is_relative_to(folder)]
+        files = turtle_below(inside) if inside else tuple(sorted(path.parent.glob("*.ttl")))
+        self.siblings[uri] = siblings(path, header(text, path), files) if path.exists() else ()
+
+    def around(self, uri: str) -> Around:
+        """The files that belong to a document, with the text of those that are open and not broken."""
+        found = self.siblings.get(uri, ())
+        if not found:
+            return NOTHING
+        held = {_path(document): document.source for document in self.workspace.text_documents.values()}
+        return {
+            file: text if (text := held.get(file)) and not read_into(Store(), file, text) else None for file in found
+        }
 
 
 def make_server(extra: tuple[Path, ...] = ()) -> OntoServer:
@@ -91,6 +116,7 @@ def _closed(ls: OntoServer, params: types.DidCloseTextDocumentParams) -> None:
         ls.waiting.pop(uri).cancel()
     ls.settled.pop(uri, None)
     ls.vocabularies.pop(uri, None)
+    ls.siblings.pop(uri, None)
     ls.text_document_publish_diagnostics(types.PublishDiagnosticsParams(uri=uri, diagnostics=[]))
 
 
@@ -139,21 +165,35 @@ def _changed(server: OntoServer, uri: str) -> None:
     if _is_task(document):
         _publish(server, document, task_problems(path, text, server.compiled()))
         return
-    quick = quick_turtle(path, text)
+    if uri not in server.siblings:
+        server.gather(uri, path, text)
+    quick = quick_turtle(path, text, server.around(uri))
     before, late = server.settled.get(uri, ("", ()))
     _publish(server, document, (*quick, *(p for p in moved(late, before, text) if p not in quick)))
+    _wait(server, document)
+    for other, files in server.siblings.items():
+        if path in files:  # what is declared here may be what is missing there
+            _wait(server, server.workspace.get_text_document(other))
+
+
+def _wait(server: OntoServer, document: TextDocument) -> None:
+    """Have the whole check of a document run after a pause, instead of the one that waits."""
+    uri = document.uri
     if uri in server.waiting:
         server.waiting.pop(uri).cancel()
-    server.waiting[uri] = asyncio.get_running_loop().create_task(_settle(server, uri, path, text))
+    task = _settle(server, uri, _path(document), document.source)
+    server.waiting[uri] = asyncio.get_running_loop().create_task(task)
 
 
 async def _settle(server: OntoServer, uri: str, path: Path, text: str) -> None:
     await asyncio.sleep(PAUSE)
-    found = await asyncio.to_thread(whole_turtle, path, text)
+    await asyncio.to_thread(server.gather, uri, path, text)
+    around = server.around(uri)
+    found = await asyncio.to_thread(whole_turtle, path, text, around)
     document = server.workspace.get_text_document(uri)
     if document.source != text or uri not in server.waiting:
         return
-    quick = await asyncio.to_thread(quick_turtle, path, text)
+    quick = await asyncio.to_thread(quick_turtle, path, text, around)
     server.settled[uri] = (text, tuple(problem for problem in found if problem not in quick))
     _publish(server, document, found)
 

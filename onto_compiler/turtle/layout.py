@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -65,14 +66,8 @@ def _read(path: Path, text: str) -> list[Quad]:
     written: list[Quad] = []
     problems = read_into(Store(), path.resolve(), text, written)
     if problems:
-        raise OntoError(*(_of(path, problem) for problem in problems))
+        raise OntoError(*(replace(problem, file=str(path)) for problem in problems))
     return written
-
-
-def _of(path: Path, problem: Problem) -> Problem:
-    """``problem`` of the resolved path as one of the path that was given."""
-    place = (problem.line, problem.column, problem.code, problem.severity, problem.message, problem.hint)
-    return Problem(str(path), *place)
 
 
 def _anonymous(quads: Iterable[Quad]) -> Counter[tuple[str, ...]]:

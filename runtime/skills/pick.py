@@ -1,0 +1,89 @@
+"""Pick an object: choose a grasp that the arm can reach, go there, close, lift, and see that it came along."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.skills.fault import SkillFault
+from runtime.skills.frames import Pose, nearest_twin
+from runtime.skills.grasping import Grasp, Search, find_grasps
+from runtime.skills.motion import CLOSED, EMPTY, OPEN, Action, close, reach
+from runtime.skills.reach import Reach
+from runtime.skills.transit import transit
+from runtime.skills.world import World
+
+__all__ = ["Holding", "choose", "grasps_of", "pick"]
+
+Array = NDArray[np.float64]
+
+APPROACH = 0.08  # metres before the grasp
+LIFT = 0.05
+KEPT = 0.5  # of the gripper's rise that what it holds must share
+NEIGHBOURHOOD = 0.25
+TRIED = 60  # grasps that are checked for reach, spread over the object
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Holding:
+    """What is held, and its pose in the gripper's frame."""
+
+    entity: str
+    local: Pose
+
+
+def grasps_of(world: World, entity: str, search: Search | None = None) -> list[Grasp]:
+    """All free grasps of an entity, the best first."""
+    cloud = world.cloud(entity)
+    around = world.surroundings(entity)
+    low, high = cloud.min(axis=0), cloud.max(axis=0)
+    centre = np.append(world.data.xipos[world.index.root_body(entity)][:2], 0.5 * (low[2] + high[2]))
+    near = world.near(around, centre, NEIGHBOURHOOD)
+    # What lies under the object limits the depth; the tips stay 3 mm above where it rests.
+    return find_grasps(cloud, near[near[:, 2] > low[2] + 0.002], centre, float(low[2]) + 0.003, world.eef, search)
+
+
+def choose(world: World, reach_: Reach, grasps: Sequence[Grasp], tried: Sequence[Pose] = ()) -> Generator[Grasp]:
+    """Those of ``grasps`` that the arm reaches without running into anything, in their order, none near another."""
+    start = reach_.begin()
+    seen = list(tried)
+    for grasp in islice(grasps, 4000):
+        if any(_alike(grasp.pose, pose) for pose in seen):
+            continue
+        seen.append(grasp.pose)
+        pose = Pose(grasp.pose.position, nearest_twin(grasp.pose.rotation, world.eef.rotation))
+        for twin in (pose, Pose(pose.position, pose.rotation * np.array([-1.0, -1.0, 1.0]))):
+            at = reach_.solve(twin, start)
+            if at.feasible and reach_.solve(twin.backed(APPROACH), at.joints).feasible:
+                yield Grasp(twin, grasp.width, grasp.cost)
+                break
+        if len(seen) > TRIED:
+            return
+
+
+def _alike(a: Pose, b: Pose) -> bool:
+    across = abs(float(a.rotation[:, 0] @ b.rotation[:, 0]))
+    return float(np.linalg.norm(a.position - b.position)) < 0.012 and across > 0.95
+
+
+def pick(world: World, entity: str, grasp: Grasp) -> Generator[Action, None, Holding]:
+    """Grasp and lift ``entity``; raises :class:`SkillFault` where it did not come along."""
+    body = world.pose(entity)
+    local = body.inverse() @ grasp.pose  # the grasp follows the object if it moves meanwhile
+    yield from transit(world, grasp.pose.backed(APPROACH), OPEN)
+    goal = world.pose(entity) @ local
+    if not (yield from reach(world, goal, OPEN, near=0.004, speed=0.7, steps=50)):
+        raise SkillFault("unreachable", f"the gripper did not reach its grasp of `{entity}`")
+    before = world.pose(entity).position
+    if not (yield from close(world, goal)):
+        raise SkillFault("lost", f"the fingers closed beside `{entity}`")
+    start = world.eef
+    yield from reach(world, start.moved(np.array([0.0, 0.0, LIFT])), CLOSED, near=0.012, steps=20)
+    risen = float(world.pose(entity).position[2] - before[2])
+    if risen < KEPT * (world.eef.position[2] - start.position[2]) or world.aperture < EMPTY:
+        raise SkillFault("lost", f"`{entity}` was not lifted: it rose {1000 * risen:.0f} mm")
+    return Holding(entity, world.eef.inverse() @ world.pose(entity))

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 from pyoxigraph import NamedNode
 
+from onto_compiler.check.coverage import check_coverage
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.model import Model
 from onto_compiler.compile_schema import compile_schema
@@ -27,7 +28,7 @@ _MAY_DISTURB = tuple(
 
 
 def check_agreement(model: Model) -> Iterator[Finding]:
-    """Pairs of rules with different conclusions; nothing is run where no reported file can have changed any."""
+    """Rules with different conclusions, and cases without one; nothing runs where no reported file can matter."""
     if not any(
         next(model.store.quads_for_pattern(None, predicate, None, graph), None) is not None
         for graph in model.graphs
@@ -36,9 +37,11 @@ def check_agreement(model: Model) -> Iterator[Finding]:
         return
     disagreements: list[Disagreement] = []
     try:
-        compile_tables(model.store, compile_schema(model.store), disagreements)
+        schema = compile_schema(model.store)
+        tables = compile_tables(model.store, schema, disagreements)
     except (OntoError, ValueError):  # a declaration that does not compile is a finding of another check
         return
+    yield from check_coverage(model, schema, tables)
     cases: dict[tuple[object, ...], list[Disagreement]] = {}
     for one in disagreements:
         cases.setdefault(one.key, []).append(one)

@@ -15,6 +15,7 @@ from pyoxigraph import Literal, NamedNode, QueryTriples, Store
 from onto_compiler.check.agreement import check_agreement
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.model import Model
+from onto_compiler.check.order import check_order
 from onto_compiler.check.patterns import Construct, Name, Step, read_construct
 from onto_compiler.compile_schema import read_hierarchy
 from onto_compiler.rdf import CORE, PREFIXES, SH
@@ -95,6 +96,7 @@ def check_rules(model: Model) -> Iterator[Finding]:
         return
     if len(sound) == len(rules):
         yield from check_agreement(model)
+    yield from check_order([(rule.iri, rule.order, rule.query) for rule in sound], read_hierarchy(model.store))
     yield from _undeclared(model, sound)
     yield from _conclusions(model, sound)
     yield from _restrictions(model, sound)

@@ -57,7 +57,7 @@ def _read(path: Path) -> Iterator[tuple[str, list[Row]]]:
 
 
 def _run_all(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator[tuple[str, list[Row]]]:
-    if jobs <= 1 or len(trials) <= 1:
+    if jobs <= 1 or len(trials) <= 1 or protocol.alone:
         yield from (_run_one(protocol, trial) for trial in trials)
         return
     # spawn: MuJoCo and Oxigraph hold threads, which a fork would cut in half.

@@ -22,6 +22,7 @@ class Protocol:
 
     ``run`` is called by name in a fresh process, so it is a module-level function; most trials give one row. Each row
     holds its ``mode`` (``none``, ``state`` or ``controller``) and what it ``sees``; the engine adds the trial to it.
+    Trials that are timed run ``alone``: one after another, however many processes there might be.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Protocol:
     trials: Callable[[bool], Sequence[Trial]]
     run: Callable[[Trial], Sequence[Row]]
     metrics: Callable[[Sequence[Row]], Mapping[str, float]]
+    alone: bool = False
 
 
 def load_protocols() -> dict[str, Protocol]:

@@ -137,6 +137,15 @@ class NativeTask:
             self.restore(self._fresh)
             self._control.set_init_state(flat)
 
+    def reset_as_evaluations_do(self, state: ArrayLike) -> None:
+        """LIBERO's own ``reset`` followed by ``set_init_state``: the fixtures are placed anew, and time passes.
+
+        The flat ``state`` is not looked at before it is written; :meth:`reset_to` is what a run wants.
+        """
+        with quiet():
+            self._control.reset()
+            self._control.set_init_state(np.array(state, dtype=np.float64))
+
     @property
     def diverged(self) -> bool:
         """Whether MuJoCo met a bad number since the last reset or restore.

@@ -1,5 +1,6 @@
 """Trials are fanned out, kept, resumed, and published with what made them."""
 
+import dataclasses
 import json
 
 import pytest
@@ -32,10 +33,10 @@ def every(full):
 PROTOCOL = Protocol("squares", "squares", (0,), every, square, total)
 
 
-def run(path, jobs=1, trials=TRIALS):
+def run(path, jobs=1, trials=TRIALS, protocol=PROTOCOL):
     CALLS.clear()
     ticks = []
-    rows = run_protocol(PROTOCOL, trials, path, jobs, lambda: ticks.append(1))
+    rows = run_protocol(protocol, trials, path, jobs, lambda: ticks.append(1))
     assert len(ticks) == len(trials)
     return rows
 
@@ -52,6 +53,11 @@ def test_processes_give_what_one_process_gives(tmp_path):
     alone, together = run(tmp_path / "a.jsonl"), run(tmp_path / "b.jsonl", jobs=2)
     timeless = [[{k: v for k, v in row.items() if k != "seconds"} for row in rows] for rows in (alone, together)]
     assert timeless[0] == timeless[1]
+
+
+def test_trials_that_run_alone_stay_in_one_process(tmp_path):
+    run(tmp_path / "rows.jsonl", jobs=2, protocol=dataclasses.replace(PROTOCOL, alone=True))
+    assert CALLS == [trial["key"] for trial in TRIALS]
 
 
 def test_a_run_resumes_where_it_stopped(tmp_path):

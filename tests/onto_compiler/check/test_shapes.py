@@ -2,97 +2,43 @@
 
 from pathlib import Path
 
-import pyshacl
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, parse
+from pyoxigraph import Literal, NamedNode, Quad, RdfFormat, parse
 
 from onto_compiler.check.model import load_model
 from onto_compiler.check.run import check
 from onto_compiler.problems import OntoError
-from onto_compiler.rdf import XSD
 from onto_compiler.shapes import compile_shapes, validate
-from onto_compiler.shapes_pyshacl import as_graph, read_report
-from onto_compiler.turtle.source_map import canonical
+from tests.shape_graphs import PREFIXES, STATEMENTS, VALUE_SHAPE, assert_same, by_pyshacl, rows, store_of
 
 HERE = Path(__file__).parent
 FILES = sorted([*(HERE / "broken").glob("*.ttl"), *(HERE / "good").glob("*.ttl")])
 UNREADABLE = "ttl"
 CANNOT_RUN = "shp002"
-PREFIXES = """
-@prefix ex: <https://example.org/> .
-@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .
-@prefix sh: <http://www.w3.org/ns/shacl#> .
-@prefix xsd: <http://www.w3.org/2001/XMLSchema#> .
-"""
-EVERY_COMPONENT = """
-ex:Shape a sh:NodeShape ; sh:targetClass ex:Thing ; sh:targetSubjectsOf ex:p ; sh:targetObjectsOf ex:q ;
-    sh:nodeKind sh:IRI ; sh:class ex:Thing ; sh:pattern "^https" ; sh:in ( ex:a ex:b ex:c ) ; sh:hasValue ex:a ;
-    sh:property [ sh:path ex:p ; sh:minCount 1 ; sh:maxCount 2 ; sh:datatype xsd:integer ] ,
-        [ sh:path ex:p ; sh:minCount 2 ; sh:nodeKind sh:Literal ; sh:minInclusive 1 ; sh:maxExclusive 5 ] ,
-        [ sh:path ex:p ; sh:minExclusive 1 ; sh:maxInclusive 2 ; sh:datatype xsd:boolean ] ,
-        [ sh:path ex:q ; sh:class ex:Thing ; sh:nodeKind sh:BlankNodeOrIRI ; sh:in ( ex:a ex:b ) ] ,
-        [ sh:path [ sh:inversePath ex:q ] ; sh:minCount 1 ; sh:class ex:Part ] ,
-        [ sh:path ex:r ; sh:hasValue "x" ; sh:pattern "^X" ; sh:flags "i" ; sh:minLength 2 ; sh:maxLength 3 ] ,
-        [ sh:path ex:r ; sh:uniqueLang true ; sh:nodeKind sh:IRIOrLiteral ] ,
-        [ sh:path ( ex:q ex:q ) ; sh:maxCount 1 ] ,
+EVERY_COMPONENT = (
+    VALUE_SHAPE
+    + """
+ex:More a sh:NodeShape ; sh:targetClass ex:Thing ; sh:targetSubjectsOf ex:p ;
+    sh:property [ sh:path ( ex:q ex:q ) ; sh:maxCount 1 ] ,
         [ sh:path [ sh:alternativePath ( ex:p ex:r ) ] ; sh:minCount 1 ] ,
         [ sh:path [ sh:zeroOrMorePath ex:q ] ; sh:nodeKind sh:IRI ] ;
     sh:sparql [ sh:message "points at itself" ;
         sh:select "SELECT $this ?value WHERE { $this <https://example.org/q> ?value FILTER (?value = $this) }" ] .
 ex:Part rdfs:subClassOf ex:Thing .
 """
-NODES = [NamedNode(f"https://example.org/{name}") for name in "abcd"] + [BlankNode("x")]
-# No booleans: rdflib reads a malformed one as false, and pySHACL compares them with numbers as Python does.
-VALUES = [
-    *NODES,
-    *(Literal(n) for n in (0, 1, 2, 5)),
-    Literal("x"),
-    Literal("xy"),
-    Literal("long text"),
-    Literal("one", language="en"),
-    Literal("two", language="en"),
-    Literal("deux", language="fr"),
-    Literal("many", datatype=NamedNode(XSD + "integer")),
-    Literal(1.5),
-]
-PATHS = [NamedNode(f"https://example.org/{name}") for name in "pqr"]
-TYPE = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
-CLASSES = [NamedNode("https://example.org/Thing"), NamedNode("https://example.org/Part")]
-
-
-def plain(term):
-    """A term as both engines agree on it: no blank node's name, no lexical form."""
-    return "blank" if isinstance(term, BlankNode) else canonical(term) if term is not None else None
+)
 
 
 def ours(store):
-    return {
-        (plain(r.focus), plain(r.path), plain(r.value), r.component) for r in validate(store, compile_shapes(store))
-    }
-
-
-def theirs(store):
-    graph = as_graph(store)
-    conforms, report, _ = pyshacl.validate(
-        graph, shacl_graph=graph, inference="none", advanced=False, inplace=True, meta_shacl=False
-    )
-    rows = {(plain(row[0]), plain(row[1]), plain(row[2]), row[3]) for row in read_report(report)}
-    assert conforms == (not rows)
-    return rows
+    return rows(validate(store, compile_shapes(store)))
 
 
 def assert_equal(store):
-    left, right = ours(store), theirs(store)
-    assert left == right, f"only ours {left - right}, only pySHACL's {right - left}"
-    return left
-
-
-def store_of(text):
-    store = Store()
-    store.load(text.encode(), format=RdfFormat.TURTLE, base_iri="https://example.org/")
-    return store
+    found = ours(store)
+    assert_same(found, by_pyshacl(store, store))
+    return found
 
 
 def test_the_shipped_ontology_conforms_on_both_engines():
@@ -111,18 +57,9 @@ def test_enough_examples_are_compared():
 
 
 @settings(max_examples=120, deadline=None)
-@given(
-    st.lists(
-        st.one_of(
-            st.tuples(st.sampled_from(NODES), st.sampled_from(PATHS), st.sampled_from(VALUES)),
-            st.tuples(st.sampled_from(NODES), st.just(TYPE), st.sampled_from(CLASSES)),
-        ),
-        min_size=1,
-        max_size=14,
-    )
-)
+@given(st.lists(st.one_of(*STATEMENTS), min_size=1, max_size=14))
 def test_both_engines_agree_on_every_component(triples):
-    store = store_of(PREFIXES + EVERY_COMPONENT)
+    store = store_of(EVERY_COMPONENT)
     for subject, predicate, value in triples:
         store.add(Quad(subject, predicate, value))
     assert_equal(store)
@@ -169,7 +106,7 @@ def test_a_boolean_does_not_compare_with_a_number():
     text = (
         "ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:property [ sh:path ex:p ; sh:maxInclusive 2 ] . ex:a ex:p true ."
     )
-    (result,) = validate(store := store_of(PREFIXES + text), compile_shapes(store))
+    (result,) = validate(store := store_of(text), compile_shapes(store))
     assert result.component == "MaxInclusiveConstraintComponent"
 
 
@@ -184,14 +121,14 @@ def test_a_datatype_is_judged_as_the_file_writes_it(value, problems, tmp_path):
 
 def test_a_deactivated_shape_is_not_run():
     text = "ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:nodeKind sh:Literal ; sh:deactivated true ."
-    assert assert_equal(store_of(PREFIXES + text)) == set()
+    assert assert_equal(store_of(text)) == set()
 
 
 def test_severity_message_and_placeholders_come_from_the_shape():
     text = """
 ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:severity sh:Warning ;
     sh:sparql [ sh:message "{$this} has {?value}" ; sh:select "SELECT $this (3 AS ?value) WHERE { }" ] ."""
-    (result,) = validate(store := store_of(PREFIXES + text), compile_shapes(store))
+    (result,) = validate(store := store_of(text), compile_shapes(store))
     assert (result.severity, result.message) == ("Warning", "https://example.org/a has 3")
 
 
@@ -214,7 +151,7 @@ ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:severity sh:Warning ;
     ],
 )
 def test_a_shape_that_cannot_run_is_a_problem_and_not_a_traceback(shape, said):
-    store = store_of(f"{PREFIXES} ex:S a sh:NodeShape ; sh:targetNode ex:a ; {shape} .")
+    store = store_of(f"ex:S a sh:NodeShape ; sh:targetNode ex:a ; {shape} .")
     with pytest.raises(OntoError, match=said) as raised:
         validate(store, compile_shapes(store))
     assert [problem.code for problem in raised.value.problems] == ["SHP002"]

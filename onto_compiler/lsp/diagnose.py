@@ -22,7 +22,7 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.schema import Schema
 from onto_compiler.sources import read_into
 
-__all__ = ["NOTHING", "Around", "moved", "quick_turtle", "task_problems", "whole_turtle"]
+__all__ = ["NOTHING", "Around", "formatted", "moved", "quick_turtle", "task_problems", "whole_turtle"]
 
 Around = Mapping[Path, str | None]
 NOTHING: Around = {}
@@ -61,6 +61,19 @@ def task_problems(path: Path, text: str, schema: Schema) -> tuple[Problem, ...]:
     except OntoError as error:
         return _own(path, error.problems)
     return _own(path, warnings)
+
+
+def formatted(path: Path, text: str, *, task: bool) -> str:
+    """``text`` as ``onto fmt`` lays it out.
+
+    Raises:
+        OntoError: as ``onto fmt`` reports what it leaves alone.
+
+    """
+    from onto_compiler.bddl.layout import format_text  # noqa: PLC0415 - Lark is heavy, and Turtle needs none
+    from onto_compiler.turtle.layout import format_turtle  # noqa: PLC0415 - nobody asks at start
+
+    return format_text(text, str(path)) if task else format_turtle(text, path)
 
 
 def moved(problems: Iterable[Problem], before: str, after: str) -> tuple[Problem, ...]:

@@ -18,7 +18,7 @@ from onto_compiler.check.model import load_model
 from onto_compiler.compile_schema import compile_schema
 from onto_compiler.lsp import bddl, turtle
 from onto_compiler.lsp.answers import Offer
-from onto_compiler.lsp.diagnose import NOTHING, Around, moved, quick_turtle, task_problems, whole_turtle
+from onto_compiler.lsp.diagnose import NOTHING, Around, formatted, moved, quick_turtle, task_problems, whole_turtle
 from onto_compiler.lsp.siblings import header, siblings, turtle_below
 from onto_compiler.lsp.vocabulary import Term, read_vocabulary
 from onto_compiler.problems import OntoError, Problem, Span
@@ -99,6 +99,7 @@ def make_server(extra: tuple[Path, ...] = ()) -> OntoServer:
     server.feature(types.TEXT_DOCUMENT_COMPLETION, types.CompletionOptions(trigger_characters=[":", "("]))(_complete)
     server.feature(types.TEXT_DOCUMENT_HOVER)(_hover)
     server.feature(types.TEXT_DOCUMENT_DEFINITION)(_definition)
+    server.feature(types.TEXT_DOCUMENT_FORMATTING)(_format)
     return server
 
 
@@ -156,6 +157,20 @@ def _definition(ls: OntoServer, params: types.DefinitionParams) -> types.Locatio
     uri = document.uri if span.file == str(path) else uris.from_fs_path(span.file)
     target = document if uri == document.uri else ls.workspace.get_text_document(uri or "")
     return types.Location(uri or document.uri, _range(target, span))
+
+
+def _format(ls: OntoServer, params: types.DocumentFormattingParams) -> list[types.TextEdit]:
+    """The layout of ``onto fmt``; a document that is broken stays as it is, and its problems are shown anyway."""
+    document = ls.workspace.get_text_document(params.text_document.uri)
+    before = document.source
+    try:
+        after = formatted(_path(document), before, task=_is_task(document))
+    except OntoError:
+        return []
+    if after == before:
+        return []
+    end = Source("", before).span(len(before), len(before))
+    return [types.TextEdit(_range(document, Span("", 1, 1, end.end_line, end.end_column)), after)]
 
 
 def _changed(server: OntoServer, uri: str) -> None:

@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 import ontology
+from onto_compiler.bddl.layout import format_text
 from onto_compiler.lsp.client import Client
+from onto_compiler.turtle.layout import format_turtle
 
 pytest.importorskip("pygls")
 ROOT = Path(__file__).resolve().parents[3]
@@ -183,6 +185,26 @@ def test_a_declared_name_of_a_task_is_explained_and_found(client, task):
     assert declared.strip().startswith("cream_cheese_1 - cream_cheese")
     line, column = place(text, "(Served", 3)
     assert "Served(Object, Object)" in client.at("hover", task, line, column)["contents"]["value"]
+
+
+def test_a_document_is_laid_out_as_onto_fmt_does(client, domain, task):
+    options = {"tabSize": 4, "insertSpaces": True}
+    for path, language, wanted in (
+        (domain, "turtle", format_turtle(domain.read_text(), domain)),
+        (task, "bddl", format_text(task.read_text())),
+    ):
+        loose = wanted.replace("\n    ", "\n  ", 3).rstrip("\n")
+        client.open(path, loose, language)
+        asked = {"textDocument": {"uri": path.as_uri()}, "options": options}
+        (edit,) = client.ask("textDocument/formatting", asked)
+        assert edit["newText"] == wanted
+        lines = loose.split("\n")
+        assert edit["range"]["start"] == {"line": 0, "character": 0}
+        assert edit["range"]["end"] == {"line": len(lines) - 1, "character": len(lines[-1])}
+        client.replace(path, (0, 0), (len(lines) - 1, len(lines[-1])), wanted)
+        assert not client.ask("textDocument/formatting", asked)
+        client.type(path, 0, 0, "}")
+        assert not client.ask("textDocument/formatting", asked), "what is broken stays as it is"
 
 
 def test_a_closed_document_has_no_problems(client, domain):

@@ -15,9 +15,9 @@ from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.episodes import EpisodeRunner
 from runtime.proposers.registry import load_proposers
-from runtime.simulator.assets import TaskRef, find_task, suites
+from runtime.simulator.assets import named_task
 
-__all__ = ["read_state", "resolve_task", "task_runner"]
+__all__ = ["read_state", "task_runner"]
 
 
 @contextmanager
@@ -26,7 +26,7 @@ def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
     knowledge = load_knowledge(*options.ontology)
     proposers = load_proposers(knowledge.schema)
     budget = getattr(options, "budget", None)
-    ref = resolve_task(options.task)
+    ref = named_task(options.task)
     # A line that moves while MuJoCo compiles; it shows on a terminal only.
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         runner = EpisodeRunner.open(ref, knowledge, proposers, options.seed, budget)
@@ -34,24 +34,6 @@ def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
         yield runner
     finally:
         runner.close()
-
-
-def resolve_task(text: str) -> TaskRef:
-    """The task that ``text`` names.
-
-    Raises:
-        OntoError: ``CLI004`` for a text of neither form, ``SIM010`` to ``SIM012`` for what the installed LIBERO lacks.
-    """
-    path = Path(text)
-    if path.suffix == ".bddl":
-        # Only official tasks have official initial states; any other starts from a seeded reset.
-        return TaskRef("", 0, path.stem, path, Path())
-    suite, slash, name = text.partition("/")
-    if not slash or not name:
-        raise OntoError.of(
-            "CLI004", f"`{text}` names no task", f"write SUITE/INDEX with a suite such as {', '.join(suites()[:5])}"
-        )
-    return find_task(suite, int(name) if name.isdigit() else name)
 
 
 def read_state(path: Path | None) -> NDArray[np.float64] | None:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from onto_compiler.problems import OntoError, near
 from runtime.simulator.state_files import load_states
 
-__all__ = ["TaskRef", "find_task", "initial_states", "package_root", "suites", "tasks"]
+__all__ = ["TaskRef", "find_task", "initial_states", "named_task", "package_root", "suites", "tasks"]
 
 TASK_MAP = "benchmark/libero_suite_task_map.py"
 STATE_SUFFIXES = (".pruned_init.npz", ".pruned_init")
@@ -81,6 +81,24 @@ def find_task(suite: str, task: int | str) -> TaskRef:
             return ref
     hint = near(task, [r.name for r in known]) if isinstance(task, str) else f"it has {len(known)} tasks, from 0"
     raise OntoError.of("SIM012", f"suite `{suite}` has no task `{task}`", hint)
+
+
+def named_task(text: str) -> TaskRef:
+    """The task that ``text`` names: ``SUITE/INDEX``, ``SUITE/NAME`` or the path of a task file.
+
+    Raises:
+        OntoError: ``CLI004`` for a text of neither form, ``SIM010`` to ``SIM012`` for what the installed LIBERO lacks.
+    """
+    path = Path(text)
+    if path.suffix == ".bddl":
+        # Only official tasks have official initial states; any other starts from a seeded reset.
+        return TaskRef("", 0, path.stem, path, Path())
+    suite, slash, name = text.partition("/")
+    if not slash or not name:
+        raise OntoError.of(
+            "CLI004", f"`{text}` names no task", f"write SUITE/INDEX with a suite such as {', '.join(suites()[:5])}"
+        )
+    return find_task(suite, int(name) if name.isdigit() else name)
 
 
 def initial_states(ref: TaskRef) -> NDArray[np.float64]:

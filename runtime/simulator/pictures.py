@@ -6,12 +6,13 @@ import io
 import os
 import subprocess
 import sys
+from functools import cache
 from types import TracebackType
 from typing import Self
 
 import numpy as np
 
-__all__ = ["ADVICE", "Camera", "enable"]
+__all__ = ["ADVICE", "Camera", "backend", "enable"]
 
 ADVICE = "for pictures: apt-get install libegl-mesa0 libgl1 (or libosmesa6)"
 _BACKENDS = ("egl", "osmesa")
@@ -28,12 +29,26 @@ def enable() -> bool:
     """
     if "MUJOCO_GL" in os.environ or "mujoco" in sys.modules:
         return os.environ.get("MUJOCO_GL", "disabled").lower() in {*_BACKENDS, "glfw"}
-    for backend in _BACKENDS:
-        chosen = {"MUJOCO_GL": backend, "PYOPENGL_PLATFORM": backend}
-        if _works({**os.environ, **chosen}):
-            os.environ.update(chosen)
-            return True
-    return False
+    found = backend()
+    if found is not None:
+        os.environ.update(_choice(found))
+    return found is not None
+
+
+@cache
+def backend() -> str | None:
+    """``egl`` or ``osmesa``, the first that draws here, or the one that ``MUJOCO_GL`` names; None without any.
+
+    It does not matter whether MuJoCo was imported, or with pictures disabled.
+    """
+    named = os.environ.get("MUJOCO_GL", "").lower()
+    if named in _BACKENDS:
+        return named
+    return next((name for name in _BACKENDS if _works({**os.environ, **_choice(name)})), None)
+
+
+def _choice(name: str) -> dict[str, str]:
+    return {"MUJOCO_GL": name, "PYOPENGL_PLATFORM": name}
 
 
 def _works(environment: dict[str, str]) -> bool:

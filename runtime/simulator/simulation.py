@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
@@ -18,6 +19,7 @@ __all__ = ["DUMMY_ACTION", "Simulation", "Stepper"]
 
 DUMMY_ACTION = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)  # no motion, gripper open
 ACTION_SIZE = 7
+_LOG = logging.getLogger("onto_evwm.mujoco")
 _WARNINGS = (
     mujoco.mjtWarning.mjWARN_BADQPOS,
     mujoco.mjtWarning.mjWARN_BADQVEL,
@@ -62,6 +64,7 @@ class Simulation:
 
     def __init__(self, scene: CompiledScene, *, exact: bool = False) -> None:
         """Allocate a state of ``scene`` and go to its home. Simulations of one scene share its fixtures' poses."""
+        mujoco.set_mju_user_warning(_LOG.warning)  # it would write MUJOCO_LOG.TXT into the working folder
         self.scene = scene
         self.model = scene.model
         self.data = mujoco.MjData(scene.model)

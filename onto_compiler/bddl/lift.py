@@ -245,7 +245,11 @@ class _Lifter:
         place = max(places, default=0)
         span = atom.arguments[place].span if place < len(named) else atom.span
         message = f"`{atom.predicate}` does not take {_types([each.entity for each in named])}"
-        return Problem.at(span, codes.ARGUMENT_TYPE, message, f"it takes {_shown(atom.predicate, signatures)}")
+        hint = f"it takes {_shown(atom.predicate, signatures)}"
+        wrong = named[place] if place < len(named) else None
+        if wrong is not None and wrong.region is None and wrong.category not in self.schema.categories:
+            hint += f"; nothing says which class a `{wrong.category}` is of: declare a core:Category"
+        return Problem.at(span, codes.ARGUMENT_TYPE, message, hint)
 
     def no_threshold(self, atom: Atom, first: Named) -> Problem:
         folded = atom.predicate.casefold()

@@ -20,7 +20,7 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import OWL
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
-from onto_compiler.shacl.model import ShapeFault, ShapeResult
+from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.validate import validate_graph
 from onto_compiler.sources import MANY, parse_problem
 from onto_compiler.validator.engine import with_implications
@@ -62,6 +62,10 @@ def check_data(paths: Sequence[Path | str], shapes: Sequence[Path | str]) -> Rep
     """Validate the data of ``paths`` with the shapes of ``shapes``; files, or folders of them.
 
     A file that cannot be read is a problem as any other; nothing is then validated.
+
+    Raises:
+        OntoError: CLI002, where no shape has a target.
+
     """
     problems: list[Problem] = []
     data = _documents(paths, problems)
@@ -70,17 +74,18 @@ def check_data(paths: Sequence[Path | str], shapes: Sequence[Path | str]) -> Rep
     if problems:
         return Report(tuple(sorted(problems)), tuple(dict.fromkeys(Path(problem.file) for problem in problems)), 0)
     graph = _graph(data)
-    results, faults = _validate(graph, _graph(known))
+    faults: list[ShapeFault] = []
+    compiled = with_implications(compile_graph(_graph(known), faults))
+    if not compiled.roots and not faults:
+        named = ", ".join(f"`{path}`" for path in shapes)
+        message = f"no shape of {named} has a target, so that nothing would be validated"
+        raise OntoError.of("CLI002", message, "say what a shape is for: sh:targetClass, for one")
+    results = validate_graph(graph, compiled, faults)
     if results or faults:
         from onto_compiler.check.data_places import place  # noqa: PLC0415 - a clean run needs no places
 
         problems += place(data, known, results, faults)
     return Report(tuple(sorted(set(problems))), files, len(graph))
-
-
-def _validate(data: Graph, shapes: Graph) -> tuple[tuple[ShapeResult, ...], list[ShapeFault]]:
-    faults: list[ShapeFault] = []
-    return validate_graph(data, with_implications(compile_graph(shapes, faults)), faults), faults
 
 
 def _graph(documents: Iterable[Document]) -> Graph:
@@ -148,7 +153,8 @@ def _syntax(path: Path, kind: RdfFormat, error: SyntaxError) -> Problem:
     if kind in _NESTED:
         return parse_problem(path, error)
     said = " ".join(str(error.msg or error).partition(" (line ")[0].split()).rpartition(": ")[2]
+    hint = "see `onto explain TTL001`"
+    if "LoadDocumentCallback" in said:
+        said, hint = "its context is at another place, and nothing is fetched", "write the context into the file"
     message = f"not {kind.name}: {said[:1].lower()}{said[1:]}"
-    return Problem(
-        str(path), error.lineno or 0, error.offset or 0, "TTL001", "error", message, "see `onto explain TTL001`"
-    )
+    return Problem(str(path), error.lineno or 0, error.offset or 0, "TTL001", "error", message, hint)

@@ -20,6 +20,7 @@ _FORMS = {
 }
 _TEXTS = dict(_FORMS.values())
 _ALTERNATIVE, _FIRST, _REST = NamedNode(SH + "alternativePath"), NamedNode(RDF + "first"), NamedNode(RDF + "rest")
+_NIL = NamedNode(RDF + "nil")
 _PREDICATES = {kind: predicate for predicate, (kind, _) in _FORMS.items()} | {"alternative": _ALTERNATIVE}
 _DEPTH = 16  # a path that is nested deeper contains itself
 
@@ -35,10 +36,10 @@ class Path:
 
 def read_path(graph: Graph, node: Term, depth: int = _DEPTH) -> Path | None:
     """The path that ``node`` describes, or None where that is none. A list goes before any other form."""
+    if isinstance(node, Literal) or node == _NIL or depth == 0:  # `()` is an IRI, and no property either
+        return None
     if isinstance(node, NamedNode):
         return Path("predicate", node)
-    if isinstance(node, Literal) or depth == 0:
-        return None
     if graph.objects(node, _FIRST):
         return _several(graph, "sequence", node, depth)
     for head in graph.objects(node, _ALTERNATIVE):

@@ -60,7 +60,7 @@ EXPECTED = {
     "on_itself": ("BDDL026", 46, 7, 1, "puts `akita_black_bowl_1` on or in itself"),
     "on_two_supports": ("BDDL025", 47, 7, 1, "shall rest on `plate_1` and `flat_stove_1_cook_region` (line 46)"),
     "only_a_comment": ("BDDL001", 2, 1, 1, "expected `(define ...)`, found the end of the file"),
-    "open_a_plate": ("BDDL012", 47, 13, 1, "it takes `Open(Drawer)`"),
+    "open_a_plate": ("BDDL012", 47, 13, 1, "`Open(Drawer)`; nothing says which class a `plate` is of"),
     "open_and_closed": ("BDDL027", 48, 7, 1, "exclude each other; remove one of the two"),
     "other_domain": ("BDDL016", 2, 12, 1, "write (:domain robosuite)"),
     "parenthesis_in_language": ("BDDL001", 3, 22, 1, "the instruction may hold anything but parentheses"),

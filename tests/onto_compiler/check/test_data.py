@@ -194,6 +194,31 @@ def test_the_command_exits_as_elsewhere(put, capsys):
     assert run(bad, "--shapes", shapes.parent / "none.ttl") == MISUSE
 
 
+@pytest.mark.parametrize(
+    "text", ["", PREFIXES + "ex:S a sh:NodeShape ; sh:nodeKind sh:IRI .", "<urn:a> <urn:b> <urn:c> ."]
+)
+def test_shapes_without_a_target_are_refused_rather_than_met(put, text):
+    with pytest.raises(OntoError, match=r"CLI002: no shape of .* has a target"):
+        check_data([put("data.ttl", PREFIXES + "ex:a a ex:Person .")], [put("shapes.ttl", text)])
+
+
+def test_a_context_elsewhere_is_not_fetched_and_the_problem_says_so(put):
+    data = put("data.jsonld", '{"@context": "http://schema.org/", "@id": "urn:a", "name": "a"}')
+    (problem,) = check_data([data], [put("shapes.ttl", SHAPES)]).problems
+    assert "nothing is fetched" in problem.message
+    assert problem.hint == "write the context into the file"
+
+
+@pytest.mark.parametrize("path", ["()", "[ sh:inversePath () ]", "( ex:p () )"])
+def test_an_empty_list_is_no_property_path(put, path):
+    shapes = put(
+        "shapes.ttl", PREFIXES + f"ex:S sh:targetNode ex:a ; sh:property [ sh:path {path} ; sh:minCount 1 ] .\n"
+    )
+    (problem,) = check_data([put("data.ttl", "")], [shapes]).problems
+    assert (problem.code, problem.line) == ("SHP002", 4)
+    assert "no property path" in problem.message
+
+
 @pytest.mark.parametrize("words", [("--fix",), ("--diff",), ()])
 def test_what_makes_no_sense_is_refused(put, words):
     shapes = put("shapes.ttl", SHAPES)

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from runtime.simulator.compiled import CompiledScene
 from runtime.simulator.libmujoco import NCON_OFFSET
-from runtime.simulator.osc import Addresses, Arm, Control, control_step, sides
+from runtime.simulator.osc import Addresses, Arm, Control, control_step
+from runtime.simulator.touch import sides
 
 __all__ = ["CompiledStepper"]
 

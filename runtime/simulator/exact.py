@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from runtime.simulator.compiled import CompiledScene
 from runtime.simulator.native_import import control_env, quiet
-from runtime.simulator.osc import GRIPPER_SPEED, sides
+from runtime.simulator.touch import GRIPPER_SPEED, sides
 
 __all__ = ["ExactStepper"]
 

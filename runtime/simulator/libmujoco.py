@@ -56,6 +56,9 @@ def _ctype(kind: Any) -> Any:  # noqa: ANN401  of mujoco.introspect.ast_nodes, a
         for extent in reversed(kind.extents):
             inner *= extent
         return inner
+    if kind.name not in _C_TYPES and kind.name not in STRUCTS:
+        message = f"the compiled loop does not know the C type `{kind.name}` of MuJoCo {mujoco.__version__}"
+        raise OntoError.of("SIM010", message, "install the tested version of mujoco")
     return _C_TYPES[kind.name] if kind.name in _C_TYPES else _layout(kind.name)
 
 

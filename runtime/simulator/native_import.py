@@ -21,6 +21,7 @@ from typing import Any, cast
 import mujoco
 
 from onto_compiler.problems import OntoError
+from runtime.simulator import mass_matrix
 from runtime.simulator.assets import package_root
 
 __all__ = ["control_env", "predicate_names", "quiet", "randomization_error"]
@@ -47,10 +48,12 @@ def control_env() -> Any:  # noqa: ANN401  a class of an untyped package
     mujoco.set_mju_user_warning(_LOG.warning)  # it would write MUJOCO_LOG.TXT into the working folder
     with quiet(), _answering("n\n"):
         try:
-            return importlib.import_module("libero.libero.envs.env_wrapper").ControlEnv
+            found = importlib.import_module("libero.libero.envs.env_wrapper").ControlEnv
         except (ImportError, EOFError, OSError, RuntimeError) as error:
             message = f"LIBERO is installed but cannot be imported: {error}"
             raise OntoError.of("SIM010", message, 'install what it needs: pip install "onto-evwm[sim]"') from error
+    mass_matrix.mend()
+    return found
 
 
 def _spare_opencv() -> None:

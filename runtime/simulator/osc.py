@@ -9,7 +9,6 @@ value, which is at a pose that has lost a degree of freedom to within 1e-15.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,17 +16,17 @@ from numba import njit
 from numpy.typing import NDArray
 
 from runtime.simulator.libmujoco import mj_jac_site, mj_step1, mj_step2
+from runtime.simulator.touch import GRIPPER_SPEED
 
 # A division by zero is left to the check of the state: as an exception it would cost a branch in each solve.
 _compiled = njit(cache=True, error_model="numpy")
 
-__all__ = ["Addresses", "Arm", "Control", "control_step", "rotation", "sides"]
+__all__ = ["Addresses", "Arm", "Control", "control_step", "rotation"]
 
 NULL_KP = 10.0  # of the null space's posture task, control_utils.nullspace_torques
 NULL_KV = 2.0 * math.sqrt(NULL_KP)
 POSITION_SCALE = 0.05  # metres per unit of action
 ROTATION_SCALE = 0.5  # radians per unit of action
-GRIPPER_SPEED = 0.01  # per substep, models/grippers/panda_gripper.py
 QUATERNION_EPS = np.finfo(np.float64).eps * 4.0
 
 Floats = NDArray[np.float64]
@@ -84,16 +83,6 @@ class Control(NamedTuple):
     jacobian: Floats  # (6, 7)
     mass: Floats  # (7, 7)
     torques: Floats  # (7,) unclipped
-
-
-def sides(ngeom: int, entities: Sequence[NDArray[np.intp]]) -> NDArray[np.int16]:
-    """The number of the entity that each geom belongs to, -1 for none: (ngeom,), or empty without entities."""
-    if not entities:
-        return np.empty(0, dtype=np.int16)
-    side = np.full(ngeom, -1, dtype=np.int16)
-    for number, geoms in enumerate(entities):
-        side[geoms] = number
-    return side
 
 
 @_compiled

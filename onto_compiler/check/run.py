@@ -14,6 +14,8 @@ from onto_compiler.check.finding import Finding
 from onto_compiler.check.hierarchy import check_hierarchy
 from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.prefixes import check_prefixes
+from onto_compiler.check.profile_dl import check_dl
+from onto_compiler.check.profile_rl import check_rl
 from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.rules import check_rules
 from onto_compiler.check.terms import check_terms
@@ -57,7 +59,8 @@ def check_model(model: Model) -> tuple[Problem, ...]:
     findings += _shape_findings(model)
     # A value of the wrong class is often a contradiction too; the first word on a triple is the clearer one.
     told = {(finding.subject, finding.predicate, finding.object) for finding in findings}
-    findings += (one for one in check_consistency(model) if (one.subject, one.predicate, one.object) not in told)
+    logical = (*check_dl(model), *check_rl(model), *check_consistency(model))
+    findings += (one for one in logical if (one.subject, one.predicate, one.object) not in told)
     if findings:
         from onto_compiler.check.locate import locate  # noqa: PLC0415 - a clean run never needs a source map
 

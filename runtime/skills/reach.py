@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import mujoco
@@ -50,17 +51,26 @@ class Reach:
         self._low, self._high = low + 0.02, high - 0.02
         self._robot = world.shapes.robot[world.model.geom_bodyid]
 
-    def begin(self) -> Array:
-        """Copy the world's state; returns the arm's joint positions (7,)."""
+    def begin(self, changes: Mapping[int, float] | None = None) -> Array:
+        """Copy the world's state, ``changes`` (by ``qpos`` address) made; returns the arm's joint positions (7,)."""
         self._data.qpos[:] = self._world.data.qpos
+        for address, value in (changes or {}).items():
+            self._data.qpos[address] = value
         return np.array(self._data.qpos[self._arm.qpos])
 
     def solve(
-        self, pose: Pose, start: Array, *, held: tuple[str, Pose] | None = None, aperture: float = OPEN
+        self,
+        pose: Pose,
+        start: Array,
+        *,
+        held: tuple[str, Pose] | None = None,
+        aperture: float = OPEN,
+        touches: Mapping[int, float] | None = None,
     ) -> Reached:
         """Reach ``pose`` from the joint positions ``start``; ``held`` is an entity and its pose in the gripper's frame.
 
-        Call :meth:`begin` before. Joint limits are kept; the posture drifts towards the home posture as OSC's does.
+        ``touches`` are bodies that may be touched, and how deep (m) the contact may be before it counts. Call
+        :meth:`begin` before. Joint limits are kept; the posture drifts towards the home posture as OSC's does.
         """
         model, data, arm = self._model, self._data, self._arm
         joints = start.copy()
@@ -81,10 +91,12 @@ class Reach:
             inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + DAMPING**2 * np.eye(6))
             null = np.eye(7) - inverse @ jacobian
             joints = np.clip(joints + inverse @ weighted + 0.1 * null @ (home - joints), self._low, self._high)
-        depth = self._penetration(pose, held, aperture)
+        depth = self._penetration(pose, held, aperture, touches)
         return Reached(joints, float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:])), depth)
 
-    def _penetration(self, pose: Pose, held: tuple[str, Pose] | None, aperture: float) -> float:
+    def _penetration(
+        self, pose: Pose, held: tuple[str, Pose] | None, aperture: float, touches: Mapping[int, float] | None
+    ) -> float:
         """Depth (m) of the deepest contact of the robot with the rest; the held entity moves along and may touch."""
         model, data, world = self._model, self._data, self._world
         fingers = world.sim.scene.arm.fingers
@@ -108,4 +120,7 @@ class Reach:
             return 0.0
         geoms = data.contact.geom
         crossing = ours[geoms[:, 0]] != ours[geoms[:, 1]]
-        return float(max(0.0, -(data.contact.dist[crossing].min(initial=0.0))))
+        distance = data.contact.dist.copy()
+        for body, depth in (touches or {}).items():
+            distance[(model.geom_bodyid[geoms] == body).any(axis=1)] += depth
+        return float(max(0.0, -(distance[crossing].min(initial=0.0))))

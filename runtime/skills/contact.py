@@ -1,0 +1,152 @@
+"""One way to move an articulated part: take hold of it or lean on it at a pose, and follow the part along its joint."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.skills.fault import SkillFault
+from runtime.skills.frames import Pose, nearest_twin, turn
+from runtime.skills.joints import Articulation
+from runtime.skills.motion import CLOSED, OPEN, Action, action_towards, close, grip, reach
+from runtime.skills.reach import OPEN as WIDE
+from runtime.skills.reach import Reach
+from runtime.skills.route import travel
+from runtime.skills.world import World
+
+__all__ = ["Contact", "actuate", "drive", "feasible"]
+
+Array = NDArray[np.float64]
+
+LEAD_SLIDE, LEAD_HINGE, LEAD_TWIST = 0.06, 0.12, 0.5  # how far the gripper's goal is ahead: metres of its way, radians
+OVERSHOOT = 0.05  # metres of the gripper's way beyond the joint's limit, so that it presses
+STEPS = 90
+STALLED = 14
+PROGRESS = 1e-4  # of the joint's way, metres or radians a step
+RELEASE = 5  # steps to open the fingers
+DEEP = 0.016  # metres that the IK's collision model may see the gripper inside what it touches
+SLACK = 0.006  # metres that a pushing gripper must be free to go on
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contact:
+    """``pose`` of the gripper at the part as it stands; ``approach`` (3,) is the way from there back to free space.
+
+    ``grips`` closes the fingers on the part, otherwise closed fingers push. ``follows`` is the share of the part's turn
+    that the gripper takes part in.
+    """
+
+    pose: Pose
+    approach: Array
+    grips: bool
+    follows: float
+    cost: float
+
+    @property
+    def before(self) -> Pose:
+        """Where the way to the contact begins."""
+        return self.pose.moved(self.approach)
+
+
+def target(art: Articulation, contact: Contact, start: float, position: float) -> Pose:
+    """Where the gripper is when the joint, at ``start`` while it stood at ``contact.pose``, is at ``position``."""
+    moved = art.displacement(start, position) @ contact.pose
+    if contact.follows >= 1.0 or art.slides:
+        return moved
+    turned = art.displacement(start, start + contact.follows * (position - start)).rotation
+    return Pose(moved.position, turned @ contact.pose.rotation)
+
+
+def feasible(world: World, reach_: Reach, art: Articulation, contacts: Iterable[Contact]) -> Iterator[Contact]:
+    """Those of ``contacts`` that the arm reaches, from before the contact until the joint is at its goal."""
+    for contact in contacts:
+        aperture = WIDE if contact.grips else 0.0
+        rotation = nearest_twin(contact.pose.rotation, world.eef.rotation)
+        twins = [rotation, rotation * np.array([-1.0, -1.0, 1.0])]
+        for twin in twins:
+            tried = Contact(
+                Pose(contact.pose.position, twin), contact.approach, contact.grips, contact.follows, contact.cost
+            )
+            if _reached(world, reach_, art, tried, aperture):
+                yield tried
+                break
+
+
+def _reached(world: World, reach_: Reach, art: Articulation, contact: Contact, aperture: float) -> bool:
+    start = art.position(world)
+    at = reach_.solve(contact.before, reach_.begin(), aperture=aperture)
+    if not at.feasible:
+        return False
+    touches = {art.body: DEEP}
+    last = art.end if not contact.grips else art.goal
+    for part in (0.0, 0.5, 1.0):
+        position = start + part * (last - start)
+        reach_.begin({art.address(world): position})
+        pose = target(art, contact, start, position)
+        if part and not contact.grips:
+            pose = pose.moved(SLACK * art.direction(pose.position))
+        at = reach_.solve(pose, at.joints, aperture=aperture, touches=touches)
+        if not at.feasible:
+            return False
+    return True
+
+
+def actuate(world: World, reach_: Reach, art: Articulation, contact: Contact) -> Generator[Action, None, None]:
+    """Go to ``contact``, move the joint past its bound, let go and withdraw; raises :class:`SkillFault` otherwise."""
+    aperture, fingers = (WIDE, OPEN) if contact.grips else (0.0, CLOSED)
+    if not (yield from travel(world, reach_, contact.before, fingers, aperture=aperture)):
+        raise SkillFault("unreachable", "the gripper did not come to where the part is to be touched")
+    if contact.grips:
+        yield from reach(world, contact.pose, OPEN, near=0.006, speed=0.8, steps=30)
+        if not (yield from close(world, contact.pose, least=6)):
+            raise SkillFault("lost", "the fingers closed beside the handle")
+        held = Contact(world.eef, contact.approach, contact.grips, contact.follows, contact.cost)
+        done = yield from drive(world, art, held)
+    else:
+        done = yield from drive(world, art, contact)
+    yield from withdraw(world, contact)
+    if not done:
+        raise SkillFault("missed", f"the joint stands at {art.position(world):.4f}, its bound is {art.bound:.4f}")
+
+
+def drive(world: World, art: Articulation, contact: Contact) -> Generator[Action, None, bool]:
+    """Follow the joint with the gripper a little ahead of it; True when the goal, or at least the bound, is passed."""
+    start = art.position(world)
+    reference = contact.pose.position
+    radius = 1.0 if art.slides else max(float(art.radii(reference[None])[0]), 0.02)
+    lead = LEAD_SLIDE if art.slides else min(LEAD_TWIST, LEAD_HINGE / radius)
+    beyond = art.end + art.sign * OVERSHOOT / radius
+    best, idle = np.inf, 0
+    for _ in range(STEPS):
+        now = art.position(world)
+        left = art.left(now)
+        if left <= 0.0:
+            return True
+        idle = 0 if left < best - PROGRESS else idle + 1
+        best = min(best, left)
+        if idle > STALLED:
+            break
+        ahead = now + art.sign * lead
+        ahead = min(ahead, beyond) if art.sign > 0 else max(ahead, beyond)
+        goal = target(art, contact, start, ahead)
+        yield action_towards(world, goal, CLOSED)
+    return art.sign * (art.position(world) - art.bound) > 0.0
+
+
+def withdraw(world: World, contact: Contact) -> Generator[Action, None, None]:
+    """Let go, and leave the part without touching it again."""
+    if contact.grips:
+        yield from grip(world, OPEN, RELEASE)
+        yield from reach(world, world.eef.backed(0.08), OPEN, near=0.02, steps=10)
+    else:
+        away = contact.approach / np.linalg.norm(contact.approach)
+        yield from reach(world, world.eef.moved(0.03 * away), CLOSED, near=0.012, steps=6)
+        yield from reach(world, world.eef.backed(0.05), OPEN, near=0.02, steps=8)
+
+
+def twist_cost(world: World, rotation: Array) -> float:
+    """Steps that the arm needs to turn to ``rotation``, roughly."""
+    return turn(world.eef.rotation, nearest_twin(rotation, world.eef.rotation)) / 0.11

@@ -1,0 +1,121 @@
+"""An articulated part as a skill sees it: which joint a fact asks for, how far, and where its body goes meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from onto_compiler.required import Fact
+from onto_compiler.schema import JointThreshold, Schema
+from runtime.proposers.targets import threshold_of
+from runtime.skills.frames import Pose, axis_angle
+from runtime.skills.world import World
+
+__all__ = ["Articulation", "articulation", "articulations"]
+
+Array = NDArray[np.float64]
+
+# How far past the bound a skill goes, so that what comes after does not undo it: metres on a slide, radians on a hinge.
+MARGIN_SLIDE, MARGIN_HINGE = 0.01, 0.15
+_PART = 0.5  # of a satisfied side that is narrower than twice the margin
+_UNLIMITED = 1e3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Articulation:
+    """A hinge or slide and the way it has to go. Joint positions in metres or radians; ``axis`` is a unit vector.
+
+    ``start`` is where the joint was when this was made, ``goal`` where it has to come to (``bound`` and some margin)
+    and ``end`` the limit of its range beyond.
+    """
+
+    joint: int
+    body: int
+    slides: bool
+    anchor: Array  # (3,) a point on the axis, in the world
+    axis: Array  # (3,)
+    start: float
+    bound: float
+    goal: float
+    end: float
+
+    @property
+    def sign(self) -> float:
+        """+1 where the joint has to go up, -1 where down."""
+        return 1.0 if self.goal >= self.bound else -1.0
+
+    def position(self, world: World) -> float:
+        """The joint's position now."""
+        return float(world.data.qpos[self.address(world)])
+
+    def address(self, world: World) -> int:
+        """Where ``qpos`` holds the joint."""
+        return int(world.model.jnt_qposadr[self.joint])
+
+    def left(self, position: float) -> float:
+        """How much is missing to the goal at a joint position; not positive when it is reached."""
+        return self.sign * (self.goal - position)
+
+    def displacement(self, before: float, after: float) -> Pose:
+        """The motion of the world that takes the body from one joint position to another."""
+        if self.slides:
+            return Pose((after - before) * self.axis, np.eye(3))
+        rotation = axis_angle(self.axis, after - before)
+        return Pose(self.anchor - rotation @ self.anchor, rotation)
+
+    def direction(self, point: Array) -> Array:
+        """The unit vector (3,) along which ``point`` (3,) of the body starts to move."""
+        if self.slides:
+            return np.asarray(self.sign * self.axis)
+        tangent = np.cross(self.axis, point - self.anchor)
+        size = float(np.linalg.norm(tangent))
+        return np.asarray(self.sign * tangent / size) if size > 1e-9 else np.zeros(3)
+
+    def radii(self, points: Array) -> Array:
+        """Distances (n,) of ``points`` (n, 3) from the axis, in metres."""
+        offset = points - self.anchor
+        return np.asarray(np.linalg.norm(offset - np.outer(offset @ self.axis, self.axis), axis=1))
+
+
+def articulation(world: World, joint: int, threshold: JointThreshold, *, polarity: bool = True) -> Articulation:
+    """The way of one hinge or slide to the side of ``threshold`` that ``polarity`` asks for."""
+    model, data = world.model, world.data
+    slides = int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
+    above = threshold.above == polarity
+    low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (-_UNLIMITED, _UNLIMITED)
+    end = float(high if above else low)
+    margin = min(MARGIN_SLIDE if slides else MARGIN_HINGE, _PART * abs(end - threshold.bound))
+    return Articulation(
+        joint,
+        int(model.jnt_bodyid[joint]),
+        slides,
+        np.array(data.xanchor[joint]),
+        np.array(data.xaxis[joint]),
+        float(data.qpos[model.jnt_qposadr[joint]]),
+        threshold.bound,
+        threshold.bound + (margin if above else -margin),
+        end,
+    )
+
+
+def articulations(world: World, schema: Schema, fact: Fact) -> Iterator[Articulation]:
+    """The joints on the wrong side, the one with the least to go first; none where ``fact`` is of something else.
+
+    Where any joint suffices and one is on the right side, there is none either.
+    """
+    threshold = threshold_of(schema, fact)
+    if threshold is None:
+        return
+    model = world.model
+    free = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL)
+    moving = [int(j) for j in world.index.joints(fact.native.arguments[0]) if int(model.jnt_type[j]) not in free]
+    found = [articulation(world, joint, threshold, polarity=fact.polarity) for joint in moving]
+    # "Not open" is said of every joint where "open" is said of any.
+    every = threshold.every_joint == fact.polarity
+    unmet = [a for a in found if a.sign * (a.start - a.bound) <= 0.0]
+    if every or len(unmet) == len(found):
+        yield from sorted(unmet, key=lambda a: a.left(a.start))

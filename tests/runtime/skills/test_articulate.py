@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import pytest
+
+pytestmark = pytest.mark.sim
+
+TASKS = [
+    ("libero_goal", "open_the_middle_drawer_of_the_cabinet", 2),
+    ("libero_90", "KITCHEN_SCENE10_close_the_top_drawer_of_the_cabinet", 1),
+]
+
+
+@pytest.fixture(scope="module")
+def knowledge():
+    from onto_compiler.knowledge import load_knowledge
+
+    return load_knowledge()
+
+
+def opened(suite, task, state):
+    from runtime.simulator.assets import find_task, initial_states
+    from runtime.simulator.compiled import compile_scene
+    from runtime.simulator.simulation import Simulation
+
+    ref = find_task(suite, task)
+    sim = Simulation(compile_scene(ref.bddl))
+    sim.reset_to(initial_states(ref)[state])
+    sim.settle()
+    return ref, sim
+
+
+@pytest.mark.parametrize(("suite", "task", "state"), TASKS)
+def test_a_joint_skill_makes_its_fact_true_and_leaves_it_so(suite, task, state, knowledge):
+    from grounding.sim import SimGrounder
+    from runtime.diagnosis import unmet
+    from runtime.episodes import required_of
+    from runtime.skills.articulate import joint_skills
+    from runtime.skills.reach import Reach
+    from runtime.skills.world import World
+
+    ref, sim = opened(suite, task, state)
+    required = required_of(ref, knowledge)
+    grounder = SimGrounder(sim.scene.index, required.facts, knowledge.schema)
+    assert unmet(required, grounder.observe(sim.data)) == (0,)
+    world = World(sim)
+    reach = Reach(world)
+    skill = next(joint_skills(world, reach, knowledge.schema, required.facts[0]))
+    before = sim.steps
+    for action in skill.run(world, reach):
+        sim.step(action)
+    assert sim.steps - before < 110
+    sim.settle(20)
+    assert not unmet(required, grounder.observe(sim.data))
+    assert not list(joint_skills(world, reach, knowledge.schema, required.facts[0]))
+
+
+def test_a_fact_about_an_object_has_no_joint_skill(knowledge):
+    from runtime.episodes import required_of
+    from runtime.skills.articulate import joint_skills
+    from runtime.skills.reach import Reach
+    from runtime.skills.world import World
+
+    ref, sim = opened("libero_goal", "put_the_bowl_on_the_stove", 0)
+    world = World(sim)
+    fact = required_of(ref, knowledge).facts[0]
+    assert not list(joint_skills(world, Reach(world), knowledge.schema, fact))

@@ -5,15 +5,14 @@ A builder takes one parameter and yields the checks that it stands for.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from typing import cast
 
-from pyoxigraph import BlankNode, Literal, NamedNode, QuerySolutions, Store
+from pyoxigraph import BlankNode, Literal, NamedNode
 
 from onto_compiler.rdf import SH
 from onto_compiler.shacl.graph import Term
 from onto_compiler.shacl.model import Check, Custom, Hit, PerValue, Run, Whole
+from onto_compiler.shacl.patterns import matcher
 from onto_compiler.shacl.reader import Parameter, shown
 from onto_compiler.shacl.values import is_well_formed, less
 
@@ -29,8 +28,6 @@ _KINDS: Mapping[str, tuple[type, ...]] = {
     "BlankNodeOrLiteral": (BlankNode, Literal),
     "IRIOrLiteral": (NamedNode, Literal),
 }
-_FLAGS = {"i": re.IGNORECASE, "s": re.DOTALL, "m": re.MULTILINE, "x": re.VERBOSE}
-_XPATH_ONLY = re.compile(r"\\[pPiIcC]|-\[")  # what Python's expressions do not know
 
 
 def _component(own: Parameter) -> str:
@@ -119,60 +116,15 @@ def _length(*, least: bool) -> Builder:
 def _pattern(own: Parameter) -> Iterator[Check]:
     pattern = own.literal().value
     flags = "".join(flag.value for flag in own.others("flags")[:1])
-    match = _matcher(own, pattern, flags)
+    try:
+        match = matcher(pattern, flags)
+    except ValueError as error:
+        raise own.fault(str(error)) from error
 
     def test(_: Run, value: Term) -> bool:
         return not isinstance(value, BlankNode) and match(value.value)
 
     yield PerValue(_component(own), test, f"must match the pattern `{pattern}`")
-
-
-def _matcher(own: Parameter, pattern: str, flags: str) -> Callable[[str], bool]:
-    """A test for an expression of XPath; Oxigraph runs what Python's expressions do not know."""
-    if "q" in flags:
-        pattern, flags = re.escape(pattern), flags.replace("q", "")
-    if _XPATH_ONLY.search(pattern):
-        return _oxigraph_matcher(own, pattern, flags)
-    if set(flags) - _FLAGS.keys():
-        raise own.fault(f"`{flags}` are no flags of a pattern")
-    combined = 0
-    for flag in flags:
-        combined |= _FLAGS[flag]
-    try:
-        expression = re.compile(pattern if "m" in flags else _strict_end(pattern), combined)
-    except (re.error, OverflowError, RecursionError) as error:
-        raise own.fault(f"the pattern is no regular expression: {error}") from error
-    return lambda text: expression.search(text) is not None
-
-
-def _strict_end(pattern: str) -> str:
-    """``$`` also matches before a last line break in Python, and nowhere but at the end in XPath."""
-    written, escaped, inside = "", False, False
-    for character in pattern:
-        if character == "$" and not escaped and not inside:
-            written += r"\Z"
-        else:
-            written += character
-        if not escaped:
-            inside = (inside or character == "[") and character != "]"
-        escaped = character == "\\" and not escaped
-    return written
-
-
-def _oxigraph_matcher(own: Parameter, pattern: str, flags: str) -> Callable[[str], bool]:
-    store, known = Store(), dict[str, bool]()
-    head, tail = "SELECT (REGEX(", f", {Literal(pattern)}, {Literal(flags)}) AS ?matches) WHERE {{}}"
-
-    def match(text: str) -> bool:
-        if text not in known:
-            (row,) = cast("QuerySolutions", store.query(head + str(Literal(text)) + tail))
-            if row["matches"] is None:
-                raise own.fault("the pattern is no regular expression")
-            known[text] = row["matches"].value == "true"
-        return known[text]
-
-    match("")
-    return match
 
 
 def _language_in(own: Parameter) -> Iterator[Check]:

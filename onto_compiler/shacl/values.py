@@ -16,7 +16,7 @@ from pyoxigraph import Literal
 
 from onto_compiler.rdf import RDF, XSD
 
-__all__ = ["is_well_formed", "less"]
+__all__ = ["is_well_formed", "less", "number"]
 
 _DECIMAL = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)"
 _FLOAT = rf"(?:{_DECIMAL}(?:[eE][+-]?\d+)?|[+-]?INF|NaN)"
@@ -119,6 +119,12 @@ def less(left: Literal, right: Literal, *, or_equal: bool = False) -> bool:
     if isinstance(one, float) or isinstance(other, float):
         one, other = float(one), float(other)  # type: ignore[arg-type]
     return bool(one < other or (or_equal and one == other))  # type: ignore[operator]
+
+
+def number(literal: Literal) -> Fraction | float | None:
+    """A numeric literal's value; None where it is no number, or not a number."""
+    found = _key(literal)
+    return found[1] if found is not None and found[0] == "number" else None  # type: ignore[return-value]
 
 
 @lru_cache(maxsize=65536)

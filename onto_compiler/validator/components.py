@@ -6,17 +6,17 @@ A component that speaks of the value nodes together, such as ``sh:minCount``, re
 from __future__ import annotations
 
 import operator
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
 from onto_compiler.problems import OntoError
 from onto_compiler.rdf import RDF, SH, node, shorten
+from onto_compiler.shacl.patterns import matcher
+from onto_compiler.shacl.values import is_well_formed, less
 from onto_compiler.validator.facts import Facts, Term, Values
-from onto_compiler.validator.literals import comparable, well_formed
 from onto_compiler.validator.paths import items
 
 __all__ = ["COMPONENTS", "LACKING", "Located", "Nested", "Parameter", "Test", "shape_fault"]
@@ -40,7 +40,6 @@ _KINDS: Mapping[str, tuple[type, ...]] = {
     "BlankNodeOrLiteral": (BlankNode, Literal),
     "IRIOrLiteral": (NamedNode, Literal),
 }
-_FLAGS = {"i": re.IGNORECASE, "m": re.MULTILINE, "s": re.DOTALL, "x": re.VERBOSE}
 
 
 class Nested(Protocol):
@@ -96,13 +95,12 @@ def _class(own: Parameter) -> Test:
 
 def _datatype(own: Parameter) -> Test:
     datatype = own.iri()
-    name = datatype.value
 
     def test(_facts: Facts, _focus: Term, values: Values) -> list[Term]:
         return [
             value
             for value in values
-            if not isinstance(value, Literal) or value.datatype != datatype or not well_formed(value.value, name)
+            if not isinstance(value, Literal) or value.datatype != datatype or not is_well_formed(value)
         ]
 
     return test
@@ -125,19 +123,20 @@ def _max_count(own: Parameter) -> Test:
     return lambda _facts, _focus, values: (None,) if len(values) > most else ()
 
 
-def _bound(compare: Callable[[Any, Any], bool]) -> Callable[[Parameter], Test]:
+def _bound(*, most: bool, included: bool) -> Callable[[Parameter], Test]:
     def build(own: Parameter) -> Test:
         bound = own.value
-        return lambda _facts, _focus, values: [value for value in values if not _holds(compare, value, bound)]
+
+        def test(_facts: Facts, _focus: Term, values: Values) -> list[Term]:
+            return [v for v in values if not _before(*((v, bound) if most else (bound, v)), included=included)]
+
+        return test
 
     return build
 
 
-def _holds(compare: Callable[[Any, Any], bool], left: Term, right: Term) -> bool:
-    if not isinstance(left, Literal) or not isinstance(right, Literal):
-        return False
-    one, other = comparable(left), comparable(right)
-    return one is not None and other is not None and one[0] == other[0] and compare(one[1], other[1])
+def _before(left: Term, right: Term, *, included: bool) -> bool:
+    return isinstance(left, Literal) and isinstance(right, Literal) and less(left, right, or_equal=included)
 
 
 def _length(fits: Callable[[int, int], bool]) -> Callable[[Parameter], Test]:
@@ -153,15 +152,12 @@ def _length(fits: Callable[[int, int], bool]) -> Callable[[Parameter], Test]:
 
 
 def _pattern(own: Parameter) -> Test:
-    flags = re.NOFLAG
-    for value in own.others("flags"):
-        for letter in value.value:
-            flags |= _FLAGS.get(letter, re.NOFLAG)
+    flags = next((flag.value for flag in own.others("flags")), "")
     try:
-        search = re.compile(own.value.value, flags).search
-    except re.error as error:
-        raise own.fault(f"is no regular expression: {error.msg}") from error
-    return lambda _facts, _focus, values: [v for v in values if isinstance(v, BlankNode) or not search(v.value)]
+        match = matcher(own.value.value, flags)
+    except ValueError as error:
+        raise shape_fault(own.shape, str(error)) from error
+    return lambda _facts, _focus, values: [v for v in values if isinstance(v, BlankNode) or not match(v.value)]
 
 
 def _language_in(own: Parameter) -> Test:
@@ -210,13 +206,13 @@ def _disjoint(own: Parameter) -> Test:
     return lambda facts, focus, values: [value for value in values if value in facts.values(focus, other)]
 
 
-def _less_than(compare: Callable[[Any, Any], bool]) -> Callable[[Parameter], Test]:
+def _less_than(*, included: bool) -> Callable[[Parameter], Test]:
     def build(own: Parameter) -> Test:
         other = own.iri()
 
         def test(facts: Facts, focus: Term, values: Values) -> list[Term]:
             there = facts.values(focus, other)
-            return [value for value in values for bound in there if not _holds(compare, value, bound)]
+            return [value for value in values for bound in there if not _before(value, bound, included=included)]
 
         return test
 
@@ -297,15 +293,15 @@ COMPONENTS: Mapping[str, Callable[[Parameter], Test]] = {
     "hasValue": _has_value,
     "in": _in,
     "languageIn": _language_in,
-    "lessThan": _less_than(operator.lt),
-    "lessThanOrEquals": _less_than(operator.le),
+    "lessThan": _less_than(included=False),
+    "lessThanOrEquals": _less_than(included=True),
     "maxCount": _max_count,
-    "maxExclusive": _bound(operator.lt),
-    "maxInclusive": _bound(operator.le),
+    "maxExclusive": _bound(most=True, included=False),
+    "maxInclusive": _bound(most=True, included=True),
     "maxLength": _length(operator.le),
     "minCount": _min_count,
-    "minExclusive": _bound(operator.gt),
-    "minInclusive": _bound(operator.ge),
+    "minExclusive": _bound(most=False, included=False),
+    "minInclusive": _bound(most=False, included=True),
     "minLength": _length(operator.ge),
     "node": _node,
     "nodeKind": _node_kind,

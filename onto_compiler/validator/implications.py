@@ -13,8 +13,8 @@ from typing import Protocol
 from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.rdf import CORE, TRACE, node
+from onto_compiler.shacl.values import number
 from onto_compiler.validator.facts import Term, Values
-from onto_compiler.validator.literals import number
 
 __all__ = ["IMPLICATIONS", "Implication", "query_key"]
 

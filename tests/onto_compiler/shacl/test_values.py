@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from pyoxigraph import Literal, NamedNode, Store
 
 from onto_compiler.rdf import XSD
-from onto_compiler.shacl.values import is_well_formed, less
+from onto_compiler.shacl.values import is_well_formed, less, number
 
 
 def typed(text, kind):
@@ -46,6 +46,32 @@ def typed(text, kind):
 def test_lexical_forms(kind, good, bad):
     assert [text for text in good.split() if not is_well_formed(typed(text, kind))] == []
     assert [text for text in bad.split() if is_well_formed(typed(text, kind))] == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "good"),
+    [
+        ("integer", "9" * 5000, True),
+        ("integer", "\u0661", False),
+        ("integer", "1_0", False),
+        ("byte", "9" * 5000, False),
+        ("double", "0x1p3", False),
+        ("string", "", True),
+    ],
+)
+def test_what_python_reads_otherwise_is_read_as_xml_schema_has_it(kind, text, good):
+    assert is_well_formed(typed(text, kind)) is good
+
+
+def test_only_numbers_have_a_number():
+    assert [number(typed(text, kind)) for text, kind in (("2", "integer"), ("1.5", "decimal"), ("2e0", "double"))] == [
+        2,
+        1.5,
+        2.0,
+    ]
+    assert number(Literal("2")) is None
+    assert number(typed("high", "integer")) is None
+    assert number(typed("NaN", "double")) is None
 
 
 def test_a_datatype_of_somebody_else_takes_any_form():

@@ -113,6 +113,16 @@ def test_the_way_back_along_a_sequence_starts_at_its_end():
     assert components(shapes, "ex:start ex:q ex:middle . ex:middle ex:p ex:end . ex:end ex:r 1 .") == ["MinCount"]
 
 
+@pytest.mark.parametrize(
+    ("pattern", "flags", "value", "fits"),
+    [("^a$", "", "a", True), ("^a$", "", "a\\n", False), ("^A", "i", "a", True), ("^\\\\p{Lu}$", "", "Ä", True)],
+)
+def test_a_pattern_means_what_xpath_says(pattern, flags, value, fits):
+    shapes = f"""ex:S a sh:NodeShape ; sh:targetClass ex:Thing ;
+        sh:property [ sh:path ex:p ; sh:pattern "{pattern}" ; sh:flags "{flags}" ] ."""
+    assert components(shapes, f'ex:one a ex:Thing ; ex:p "{value}" .') == ([] if fits else ["Pattern"])
+
+
 def test_a_class_that_is_a_shape_targets_its_instances():
     shapes = "ex:Thing a sh:NodeShape , rdfs:Class ; sh:property [ sh:path ex:p ; sh:minCount 1 ] ."
     assert components(shapes, "ex:one a ex:Thing .") == ["MinCount"]

@@ -131,7 +131,7 @@ class Search:
 
     yaws: int = 16
     tilts: Sequence[float] = (0.0,)
-    depths: Sequence[float] = (0.016, 0.024, 0.032, 0.042)
+    depths: Sequence[float] = (0.009, 0.012, 0.016, 0.024, 0.032, 0.042)
 
 
 def find_grasps(

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from dataclasses import dataclass
-from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
 from runtime.skills.fault import SkillFault
-from runtime.skills.frames import Pose, nearest_twin
+from runtime.skills.frames import Pose
 from runtime.skills.grasping import Grasp, Search, find_grasps
 from runtime.skills.motion import CLOSED, EMPTY, OPEN, Action, close, reach
-from runtime.skills.reach import Reach
 from runtime.skills.transit import transit
 from runtime.skills.world import World
 
-__all__ = ["Holding", "choose", "grasps_of", "pick"]
+__all__ = ["Holding", "alike", "grasps_of", "pick"]
 
 Array = NDArray[np.float64]
 
@@ -25,7 +23,7 @@ APPROACH = 0.08  # metres before the grasp
 LIFT = 0.05
 KEPT = 0.5  # of the gripper's rise that what it holds must share
 NEIGHBOURHOOD = 0.25
-TRIED = 60  # grasps that are checked for reach, spread over the object
+FAR = 0.02  # metres from the grasp, at which closing makes no sense
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,25 +45,8 @@ def grasps_of(world: World, entity: str, search: Search | None = None) -> list[G
     return find_grasps(cloud, near[near[:, 2] > low[2] + 0.002], centre, float(low[2]) + 0.003, world.eef, search)
 
 
-def choose(world: World, reach_: Reach, grasps: Sequence[Grasp], tried: Sequence[Pose] = ()) -> Generator[Grasp]:
-    """Those of ``grasps`` that the arm reaches without running into anything, in their order, none near another."""
-    start = reach_.begin()
-    seen = list(tried)
-    for grasp in islice(grasps, 4000):
-        if any(_alike(grasp.pose, pose) for pose in seen):
-            continue
-        seen.append(grasp.pose)
-        pose = Pose(grasp.pose.position, nearest_twin(grasp.pose.rotation, world.eef.rotation))
-        for twin in (pose, Pose(pose.position, pose.rotation * np.array([-1.0, -1.0, 1.0]))):
-            at = reach_.solve(twin, start)
-            if at.feasible and reach_.solve(twin.backed(APPROACH), at.joints).feasible:
-                yield Grasp(twin, grasp.width, grasp.cost)
-                break
-        if len(seen) > TRIED:
-            return
-
-
-def _alike(a: Pose, b: Pose) -> bool:
+def alike(a: Pose, b: Pose) -> bool:
+    """Whether two grasps are nearly the same."""
     across = abs(float(a.rotation[:, 0] @ b.rotation[:, 0]))
     return float(np.linalg.norm(a.position - b.position)) < 0.012 and across > 0.95
 
@@ -76,7 +57,8 @@ def pick(world: World, entity: str, grasp: Grasp) -> Generator[Action, None, Hol
     local = body.inverse() @ grasp.pose  # the grasp follows the object if it moves meanwhile
     yield from transit(world, grasp.pose.backed(APPROACH), OPEN)
     goal = world.pose(entity) @ local
-    if not (yield from reach(world, goal, OPEN, near=0.004, speed=0.7, steps=50)):
+    yield from reach(world, goal, OPEN, near=0.004, speed=0.7, steps=50)
+    if np.linalg.norm(world.eef.position - goal.position) > FAR:
         raise SkillFault("unreachable", f"the gripper did not reach its grasp of `{entity}`")
     before = world.pose(entity).position
     if not (yield from close(world, goal)):

@@ -1,0 +1,98 @@
+"""Plans that pair a grasp with a spot: both must be in reach, and the object must fit through with the hand on it."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.proposers.targets import Place
+from runtime.skills.frames import Pose, axis_angle, nearest_twin
+from runtime.skills.grasping import Grasp, Search
+from runtime.skills.motion import Action
+from runtime.skills.pick import APPROACH, alike, grasps_of, pick
+from runtime.skills.place import Spot, place, spots
+from runtime.skills.reach import Reach, Reached
+from runtime.skills.world import World
+
+__all__ = ["Transfer", "transfer", "transfers"]
+
+Array = NDArray[np.float64]
+
+TRIED = 80  # grasps that are checked for reach, spread over the object
+SPOTS = 6  # the best, that are checked for each grasp
+RELEASES = (0.008, 0.02, 0.035, 0.05, 0.07, 0.09)  # metres above the spot, the lowest that leaves the hand room
+YAWS = (0.0, np.pi / 4, -np.pi / 4, np.pi / 2, -np.pi / 2)
+TILTED = Search(yaws=16, tilts=(0.35, 0.7))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Transfer:
+    """Take ``entity`` by ``grasp`` and let it go ``release`` metres above ``spot``."""
+
+    entity: str
+    grasp: Grasp
+    spot: Spot
+    release: float
+
+
+def transfers(world: World, reach: Reach, place_: Place, tried: Sequence[Pose] = ()) -> Iterator[Transfer]:
+    """What the arm can do to bring ``place_.subject`` to its place, the best first; nothing near a ``tried`` grasp.
+
+    Upright grasps come before tilted ones, and the object's present rotation before others about the vertical.
+    """
+    entity = place_.subject
+    body = world.pose(entity)
+    for search in (None, TILTED):
+        grasps = grasps_of(world, entity, search)
+        for yaw in YAWS:
+            rotation = axis_angle(np.array([0.0, 0.0, 1.0]), yaw)
+            found = spots(world, entity, place_, rotation)[:SPOTS]
+            for grasp, at in _reachable(world, reach, grasps, tried):
+                local = grasp.pose.inverse() @ body
+                best = next(_released(reach, at, entity, local, found, grasp.width), None)
+                if best is not None:
+                    yield Transfer(entity, grasp, *best)
+
+
+def transfer(world: World, plan: Transfer) -> Generator[Action, None, None]:
+    """Carry out ``plan``; raises :class:`~runtime.skills.fault.SkillFault` where it fails."""
+    holding = yield from pick(world, plan.entity, plan.grasp)
+    yield from place(world, holding, plan.spot, plan.release)
+
+
+def _reachable(
+    world: World, reach: Reach, grasps: Sequence[Grasp], tried: Sequence[Pose]
+) -> Iterator[tuple[Grasp, Reached]]:
+    """Those of ``grasps`` that the arm reaches without running into anything, none near another."""
+    start = reach.begin()
+    seen = list(tried)
+    for grasp in islice(grasps, 4000):
+        if any(alike(grasp.pose, pose) for pose in seen):
+            continue
+        seen.append(grasp.pose)
+        near = Pose(grasp.pose.position, nearest_twin(grasp.pose.rotation, world.eef.rotation))
+        for twin in (near, Pose(near.position, near.rotation * np.array([-1.0, -1.0, 1.0]))):
+            reach.begin()
+            at = reach.solve(twin, start)
+            if at.feasible and reach.solve(twin.backed(APPROACH), at.joints).feasible:
+                yield Grasp(twin, grasp.width, grasp.cost), at
+                break
+        if len(seen) > TRIED:
+            return
+
+
+def _released(
+    reach: Reach, at: Reached, entity: str, local: Pose, found: Sequence[Spot], width: float
+) -> Iterator[tuple[Spot, float]]:
+    """The spots that the object can be brought to with the hand on it, each with how far above it is let go."""
+    reach.begin()
+    for spot in found:
+        for height in RELEASES:
+            pose = spot.pose.moved(np.array([0.0, 0.0, height])) @ local.inverse()
+            if reach.solve(pose, at.joints, held=(entity, local), aperture=0.5 * width + 0.002).feasible:
+                yield spot, height
+                break

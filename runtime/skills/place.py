@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+import itertools
+from collections.abc import Callable, Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from runtime.proposers.geometry import level
 from runtime.proposers.targets import Place
 from runtime.skills.fault import SkillFault
-from runtime.skills.frames import Pose
+from runtime.skills.frames import Pose, axis_angle
 from runtime.skills.heights import CELL, relief_of, underside
 from runtime.skills.motion import CLOSED, EMPTY, OPEN, Action, grip, reach
 from runtime.skills.pick import Holding
@@ -29,6 +30,11 @@ HOVER = 0.05  # metres above the place, from where it is lowered
 NEAR = 0.028  # metres between the origins of two objects that count as one on the other
 KEPT = 0.8  # of a region's half extent that origins are placed in
 AROUND = 0.35
+FLAT = 0.98  # cosine; a site that leans more than this holds what is put along its slope
+SLOPE = (0.0, 0.01, 0.02, 0.03)  # metres up the slope
+LEVEL = 1e-6
+SUNK = 0.001  # metres below where it rests: a contact is then seen
+UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,22 +45,37 @@ class Spot:
     cost: float
 
 
-def spots(world: World, entity: str, target: Place, turn: Array) -> list[Spot]:
-    """Where ``entity`` comes to rest in ``target`` when it is let go upright and turned by ``turn``, the best first."""
+def spots(world: World, entity: str, target: Place, yaw: float, holds: Callable[[Pose], bool]) -> list[Spot]:
+    """Where ``entity`` comes to rest in ``target`` when it is let go upright and turned by ``yaw``, the best first.
+
+    Upright is along the z of the target's site: a rack holds a bottle along its slope. ``holds`` says whether the
+    required fact is true with the object at a pose; where it is true nowhere, all spots are given.
+    """
     body = world.pose(entity)
-    upright = turn @ level(body.rotation)
-    under, corner = underside((world.cloud(entity) - body.position) @ body.rotation @ upright.T)
     frame, half = _area(world, target)
+    upright = _stood(frame.rotation[:, 2]) @ axis_angle(UP, yaw) @ level(body.rotation)
+    under, corner = underside((world.cloud(entity) - body.position) @ body.rotation @ upright.T)
     relief = relief_of(world.surroundings(entity), frame.position, AROUND)
-    reach_x, reach_y = (np.arange(-n, n + 1) * CELL for n in (KEPT * half[:2] / CELL).astype(int).clip(0, 4))
+    x, y = (np.arange(-n, n + 1) * CELL for n in (KEPT * half[:2] / CELL).astype(int).clip(0, 4))
+    z = (0.0,) if frame.rotation[2, 2] > FLAT else SLOPE
     found = []
-    for dx in reach_x:
-        for dy in reach_y:
-            xy = (frame.position + frame.rotation @ np.array([dx, dy, 0.0]))[:2]
-            z = relief.drop(under, xy + corner)
-            if np.isfinite(z):
-                found.append(Spot(Pose(np.array([*xy, z]), upright), float(z + 0.35 * np.hypot(dx, dy))))
-    return sorted(found, key=lambda spot: spot.cost)
+    for offset in itertools.product(x, y, z):
+        over = (frame.position + frame.rotation @ np.array(offset))[:2]
+        height = relief.drop(under, over + corner)
+        if np.isfinite(height):
+            cost = height + 0.35 * float(np.hypot(*offset[:2]))
+            found.append(Spot(Pose(np.array([*over, height]), upright), cost))
+    found.sort(key=lambda spot: spot.cost)
+    return [spot for spot in found if holds(spot.pose.moved(-SUNK * UP))] or found
+
+
+def _stood(axis: Array) -> Array:
+    """The least rotation that brings the vertical to ``axis``; none where it points down."""
+    turn = np.cross(UP, axis)
+    sine = float(np.linalg.norm(turn))
+    if sine < LEVEL or axis[2] < 0.0:
+        return np.eye(3)
+    return axis_angle(turn / sine, float(np.arctan2(sine, axis[2])))
 
 
 def _area(world: World, target: Place) -> tuple[Pose, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.proposers.targets import Place
-from runtime.skills.frames import Pose, axis_angle, nearest_twin
+from runtime.skills.frames import Pose, nearest_twin
 from runtime.skills.grasping import Grasp, Search
 from runtime.skills.motion import Action
 from runtime.skills.pick import APPROACH, alike, grasps_of, pick
@@ -39,18 +39,20 @@ class Transfer:
     release: float
 
 
-def transfers(world: World, reach: Reach, place_: Place, tried: Sequence[Pose] = ()) -> Iterator[Transfer]:
+def transfers(
+    world: World, reach: Reach, place_: Place, holds: Callable[[Pose], bool], tried: Sequence[Pose] = ()
+) -> Iterator[Transfer]:
     """What the arm can do to bring ``place_.subject`` to its place, the best first; nothing near a ``tried`` grasp.
 
     Upright grasps come before tilted ones, and the object's present rotation before others about the vertical.
+    ``holds`` says whether the required fact is true with the object at a pose.
     """
     entity = place_.subject
     body = world.pose(entity)
     for search in (None, TILTED):
         grasps = grasps_of(world, entity, search)
         for yaw in YAWS:
-            rotation = axis_angle(np.array([0.0, 0.0, 1.0]), yaw)
-            found = spots(world, entity, place_, rotation)[:SPOTS]
+            found = spots(world, entity, place_, yaw, holds)[:SPOTS]
             for grasp, at in _reachable(world, reach, grasps, tried):
                 local = grasp.pose.inverse() @ body
                 best = next(_released(reach, at, entity, local, found, grasp.width), None)

@@ -17,11 +17,13 @@ from onto_compiler.schema import Schema
 from runtime.faults import RunFault
 from runtime.records import Application, Proposal, Verification
 from runtime.simulator.native import NativeTask
+from runtime.simulator.native_import import predicate_names
 
 __all__ = ["SETTLE_STEPS", "NativeEnvironment"]
 
 SETTLE_STEPS = 20  # control steps of 1/20 s without motion, after which an accepted state is asked again
 _QUERY = "check_success()"
+_ATOMS = "_eval_predicate() of each atom"  # of a goal with connectives or quantifiers, which LIBERO's check lacks
 
 
 class NativeEnvironment:
@@ -34,6 +36,7 @@ class NativeEnvironment:
             OntoError: ``SIM001`` ff., where a fact names what the scene lacks.
         """
         self._task = task
+        self._required = required
         self._scene = Scene(task.model)
         self._grounder = SimGrounder(self._scene, required.facts, schema)
         self._premise = SimGrounder(self._scene, required.premise, schema)
@@ -88,15 +91,29 @@ class NativeEnvironment:
             raise RunFault(fault)
         return Application(proposal, "state", float(np.linalg.norm(proposal.qpos - start)))
 
+    @property
+    def judged(self) -> bool:
+        """Whether LIBERO can judge the goal: whole, or else each atom that it is made of."""
+        known = predicate_names()
+        return self._task.judged or all(fact.native.predicate.lower() in known for fact in self._required.facts)
+
     def verify(self) -> Verification:
-        """Ask LIBERO."""
-        return Verification(_QUERY, self._task.success())
+        """Ask LIBERO; raises ``SIM018`` where it can judge neither the goal nor its atoms."""
+        return Verification(_QUERY if self._task.judged else _ATOMS, self._success())
 
     def settle(self, verification: Verification) -> Verification:
         """Ask LIBERO again after :data:`SETTLE_STEPS` steps, then go back to the state that was verified."""
         before = self._task.snapshot()
         self._task.settle(SETTLE_STEPS)
         # MuJoCo answers a divergence with the default pose: qpos is finite then, and says nothing of the task.
-        settled = not self._task.diverged and self._task.success()
+        settled = not self._task.diverged and self._success()
         self._task.restore(before)
         return replace(verification, settled=settled, settle_steps=SETTLE_STEPS)
+
+    def _success(self) -> bool:
+        """LIBERO's verdict on the goal, or on some alternative, each of whose atoms LIBERO is asked for."""
+        if self._task.judged or not self.judged:
+            return self._task.success()
+        facts = self._required.facts
+        ways = ([facts[index] for index in way] for way in self._required.ways)
+        return any(all(self._task.evaluate(fact.native) is fact.polarity for fact in way) for way in ways)

@@ -37,7 +37,7 @@ def _ground(options: argparse.Namespace) -> int:
     with task_runner(options) as runner:
         runner.start(options.state, read_state(options.state_file))
         schema, required = runner.knowledge.schema, runner.required
-        verdict = runner.environment.verify().outcome if runner.task.judged else None
+        verdict = runner.environment.verify().outcome if runner.environment.judged else None
         record: dict[str, Any] = {"suite": runner.ref.suite, "task": required.task, "state": options.state}
         for part, facts, observation in (
             ("facts", required.facts, runner.environment.observe()),

@@ -59,6 +59,27 @@ def test_diagnose_orders_a_task_of_two_facts(capsys):
     ]
 
 
+@pytest.mark.parametrize(
+    ("goal", "success"),
+    [
+        ("(Or (On akita_black_bowl_1 plate_1) (On wine_bottle_1 plate_1))", False),
+        ("(And (Not (On akita_black_bowl_1 plate_1)))", True),
+        ("(And (exists (?p - plate) (Or (Not (On cream_cheese_1 ?p)) (On wine_bottle_1 ?p))))", True),
+        ("(And (forall (?p - plate) (On akita_black_bowl_1 ?p)) (Not (On wine_bottle_1 plate_1)))", False),
+    ],
+)
+def test_a_goal_with_connectives_is_judged_by_libero_atom_by_atom(capsys, tmp_path, goal, success):
+    head, _, _ = find_task("libero_goal", "put_the_bowl_on_the_plate").bddl.read_text("utf-8").partition("(:goal")
+    task = tmp_path / "composed.bddl"
+    task.write_text(f"{head}(:goal {goal}))", "utf-8")
+    _, out, _ = run(capsys, "ground", str(task), "--json")
+    assert json.loads(out)["native_success"] is success
+    code, out, _ = run(capsys, "repair", str(task), "--json", "--out", str(tmp_path / "out"))
+    assert code == CLEAN
+    record = json.loads(out)
+    assert record["outcome"] == ("verified" if success else "accepted")
+
+
 def test_diagnose_speaks_of_the_nearest_alternative_and_of_the_others_when_asked(capsys, tmp_path):
     text = Path("docs/examples/serve_the_cheese.bddl").read_text("utf-8")
     task = tmp_path / "either.bddl"

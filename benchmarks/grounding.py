@@ -52,7 +52,7 @@ def run(trial: Trial) -> list[Row]:
                 "sees": "privileged-state",
                 "grounded_by": kind,
                 "comparisons": len(chosen),
-                "mismatches": sum(sample.truth != sample.native for sample in chosen),
+                "mismatches": sum(not sample.truth == sample.compiled == sample.native for sample in chosen),
                 "sign_violations": sum(
                     (sample.margin > 0 and not sample.native) or (sample.margin < 0 and sample.native)
                     for sample in chosen

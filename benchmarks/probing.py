@@ -58,6 +58,7 @@ class Sample:
     label: str  # "random" | "settled" | "edge:TERM:+" | "edge:TERM:-"
     native: bool
     truth: bool
+    compiled: bool  # the truth again, without margins
     margin: float
     limit: str
     terms: tuple[Term, ...]
@@ -81,6 +82,7 @@ class Prober:
     def compare(self, target: Fact | None, label: str) -> Iterator[Sample]:
         data = self.native.data
         observed, terms = self.grounder.observe(data), self.grounder.terms(data)
+        compiled = self.grounder.truth(data)
         for index, fact in enumerate(self.facts):
             yield Sample(
                 self.native.bddl.stem,
@@ -91,6 +93,7 @@ class Prober:
                 label,
                 self.native.evaluate(fact.native),
                 bool(observed.truth[index]),
+                bool(compiled[index]),
                 float(observed.margin[index]),
                 observed.limit[index],
                 terms[index],

@@ -154,6 +154,7 @@ def _of_tasks(rows: Sequence[Row]) -> dict[str, float]:
     exact = per_task(lambda t: t["exact_steps_s"] / t["native_steps_s"])
     physics = per_task(lambda t: t["compiled_steps_s"] / t["physics_steps_s"])
     share = per_task(lambda t: t["grounding_us"] * t["compiled_steps_s"] / 1e6)
+    margins = per_task(lambda t: t["margins_us"] * t["compiled_steps_s"] / 1e6)
     native = per_task(lambda t: t["grounding_us"] / t["check_success_us"])
     return {
         "tasks": len(rows),
@@ -170,6 +171,9 @@ def _of_tasks(rows: Sequence[Row]) -> dict[str, float]:
         "grounding_us": float(np.median(per_task(lambda t: t["grounding_us"]))),
         "grounding_share": float(np.median(share)),
         "grounding_share.max": max(share),
+        "margins_us": float(np.median(per_task(lambda t: t["margins_us"]))),
+        "margins_share": float(np.median(margins)),
+        "margins_share.max": max(margins),
         "grounding_vs_native": float(np.median(native)),
         "grounding_vs_native.max": max(native),
         "parity_max_qpos_error": max(row["parity_max_qpos_error"] for row in rows),

@@ -25,6 +25,7 @@ class Contact:
     The native test (``robosuite/environments/base.py``, ``check_contact``) takes every entry of the list, whatever its
     distance; so does this. Touching: the margin is the largest of ``includemargin - dist``, made positive. Apart: minus
     the smallest distance between two geoms that can collide, made negative; that part costs more, as nothing is cached.
+    ``sides`` are the geoms of either entity.
     """
 
     def __init__(self, scene: Scene, first: str, second: str) -> None:
@@ -41,6 +42,7 @@ class Contact:
         left, right = pairs[:, 0], pairs[:, 1]
         collide = ((contype[left] & affinity[right]) | (contype[right] & affinity[left])) != 0
         self._pairs: NDArray[np.intp] = pairs[collide]
+        self.sides = (np.flatnonzero(self._side[:-1] == 1), np.flatnonzero(self._side[:-1] == 2))
         bounds = model.geom_rbound
         radii = bounds[self._pairs].sum(axis=1)
         unbounded = (bounds[self._pairs] == 0.0).any(axis=1)  # MuJoCo gives a plane no radius

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
+from grounding.plans import Region
 from grounding.predicates.arguments import two_names
 from grounding.predicates.terms import Grounding, Term, all_of
 from grounding.scenes import Scene
@@ -44,4 +45,5 @@ def in_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG
             for axis, margin in zip(("x", "y", "depth", "x", "y", "height"), (*below, *above), strict=True)
         )
 
-    return Grounding(terms, all_of)
+    x, y, z = size.tolist()
+    return Grounding(terms, all_of, Region(body, site, (x, y, z), SINK))

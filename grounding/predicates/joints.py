@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import mujoco
 
+from grounding.plans import Joints
 from grounding.predicates.arguments import one_name, unsuited
 from grounding.predicates.terms import Grounding, Term, all_of, any_of
 from grounding.scenes import Scene
@@ -41,7 +42,8 @@ def joint_threshold(scene: Scene, fact: Fact, schema: Schema) -> Grounding:
         margins = [(sign * (float(qpos[address]) - bound), joint) for address, joint in addresses]
         return tuple(Term("qpos", m, m > 0.0 or (inclusive and m == 0.0), joint) for m, joint in margins)
 
-    return Grounding(terms, all_of if threshold.every_joint else any_of)
+    plan = Joints(tuple(address for address, _ in addresses), sign, bound, threshold.every_joint)
+    return Grounding(terms, all_of if threshold.every_joint else any_of, plan)
 
 
 def _threshold(fact: Fact, schema: Schema) -> JointThreshold:

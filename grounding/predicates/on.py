@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
+from grounding.plans import Box, Disc
 from grounding.predicates.arguments import two_names
 from grounding.predicates.contact import Contact
 from grounding.predicates.terms import Grounding, Term, all_of
@@ -41,7 +42,7 @@ def on_object(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: A
         near = float(NEAR - np.linalg.norm(below[:2] - above[:2]))
         return (Term("height", height, height >= 0.0), contact(data), Term("xy", near, near > 0.0))
 
-    return Grounding(terms, all_of)
+    return Grounding(terms, all_of, Disc(upper, lower, NEAR, contact))
 
 
 def on_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG001  a factory's signature
@@ -68,4 +69,5 @@ def on_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG
         inside = tuple(Term(term, margin, margin > 0.0) for term, margin in box)
         return (*inside, contact(data)) if contact else inside
 
-    return Grounding(terms, all_of)
+    x, y, _ = half.tolist()
+    return Grounding(terms, all_of, Box(body, site, (-x, -y, floor), (x, y, ceiling), contact))

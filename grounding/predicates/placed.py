@@ -7,10 +7,12 @@ tasks of the five suites), but which an object may miss: it depends on where its
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import mujoco
 
+from grounding.plans import Box
 from grounding.predicates.arguments import two_names
 from grounding.predicates.terms import Grounding, Term, all_of
 from grounding.scenes import Scene
@@ -32,4 +34,5 @@ def placed_in_region(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # 
         margins = (("x", half_x - abs(x)), ("y", half_y - abs(y)))
         return tuple(Term(axis, margin, margin >= 0.0) for axis, margin in margins)
 
-    return Grounding(terms, all_of)
+    plan = Box(body, site, (-half_x, -half_y, -math.inf), (half_x, half_y, math.inf))
+    return Grounding(terms, all_of, plan)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import mujoco
 
 from grounding.observation import Evidence
+from grounding.plans import Plan
 
 __all__ = ["Grounding", "Term", "all_of", "any_of"]
 
@@ -29,10 +30,14 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Grounding:
-    """One fact's predicate on one scene, ids resolved: call it for :class:`Evidence`, ``terms`` for the breakdown."""
+    """One fact's predicate on one scene, ids resolved: call it for :class:`Evidence`, ``terms`` for the breakdown.
+
+    ``plan`` says the same conditions in numbers, for who only wants the truth; None where it cannot.
+    """
 
     terms: Callable[[mujoco.MjData], Sequence[Term]]
     combine: Callable[[Sequence[Term]], Evidence]
+    plan: Plan | None = None
 
     def __call__(self, data: mujoco.MjData) -> Evidence:
         """Truth and margin in ``data``, which must be forwarded and belong to the scene's model."""

@@ -11,8 +11,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from grounding.memory import contact_places
 from runtime.simulator.compiled import CompiledScene
-from runtime.simulator.libmujoco import NCON_OFFSET
 from runtime.simulator.osc import Addresses, Arm, Control, control_step
 from runtime.simulator.touch import sides
 
@@ -157,22 +157,19 @@ def _addresses(scene: CompiledScene, data: mujoco.MjData) -> Addresses:
         site_pos=data.site_xpos[site],
         site_mat=data.site_xmat[site],
         ncon=_ncon(data),
-        contact_geom=_contact_geoms(model, data),
+        contact_geom=_contact_geoms(data),
     )
 
 
 def _ncon(data: mujoco.MjData) -> NDArray[np.int32]:
-    cell: Any = (ctypes.c_char * 4).from_address(data._address + NCON_OFFSET)  # noqa: SLF001  as above
+    cell: Any = (ctypes.c_char * 4).from_address(data._address + contact_places().ncon)  # noqa: SLF001  as above
     return np.ndarray(1, dtype=np.int32, buffer=cell)
 
 
-def _contact_geoms(model: mujoco.MjModel, data: mujoco.MjData) -> NDArray[np.int32]:
+def _contact_geoms(data: mujoco.MjData) -> NDArray[np.int32]:
     """The ``geom`` pairs of as many contacts as the arena can hold; MuJoCo keeps them at the arena's start."""
-    mujoco.mj_resetData(model, data)
-    data.ncon = 2  # so that the bindings show where the first two lie
-    view = data.contact.geom
-    start, stride = view.__array_interface__["data"][0], view.strides[0]
-    data.ncon = 0
-    capacity = max(1, int(data.narena) // stride)
-    block: Any = (ctypes.c_char * (capacity * stride)).from_address(start)
-    return np.ndarray((capacity, 2), dtype=np.int32, buffer=block, strides=(stride, 4))
+    places = contact_places()
+    start = ctypes.c_size_t.from_address(data._address + places.contact).value  # noqa: SLF001  as above
+    capacity = int(data.narena) // places.stride
+    block: Any = (ctypes.c_char * (capacity * places.stride)).from_address(start)
+    return np.ndarray((capacity, 2), dtype=np.int32, buffer=block, offset=places.geom, strides=(places.stride, 4))

@@ -57,7 +57,7 @@ def test_processes_give_what_one_process_gives(tmp_path):
 
 def test_trials_that_run_alone_stay_in_one_process(tmp_path):
     run(tmp_path / "rows.jsonl", jobs=2, protocol=dataclasses.replace(PROTOCOL, alone=True))
-    assert CALLS == [trial["key"] for trial in TRIALS]
+    assert [trial["key"] for trial in TRIALS] == CALLS
 
 
 def test_a_run_resumes_where_it_stopped(tmp_path):

@@ -39,6 +39,10 @@ def test_truth_equals_the_native_predicate_in_every_state(samples):
     assert len(samples) > 10_000
 
 
+def test_truth_without_margins_equals_it_too(samples):
+    assert [s for s in samples if s.compiled != s.native] == []
+
+
 def test_the_margin_has_the_sign_of_the_truth(samples):
     wrong = [s for s in samples if (s.margin > 0 and not s.native) or (s.margin < 0 and s.native)]
     assert wrong == []

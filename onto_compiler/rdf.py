@@ -6,6 +6,7 @@ from pyoxigraph import Literal, NamedNode
 
 __all__ = [
     "ALIGNED",
+    "AUDIT",
     "BASE",
     "CORE",
     "MAN",
@@ -27,6 +28,7 @@ __all__ = [
 ]
 
 BASE = "https://w3id.org/onto-evwm/"
+AUDIT = BASE + "audit#"
 CORE = BASE + "core#"
 MAN = BASE + "manipulation#"
 TRACE = BASE + "trace#"
@@ -39,6 +41,7 @@ SKOS = "http://www.w3.org/2004/02/skos/core#"
 XSD = "http://www.w3.org/2001/XMLSchema#"
 
 PREFIXES = {
+    "audit": AUDIT,
     "cora": "http://purl.org/ieee1872-owl/cora-bare#",
     "corax": "http://purl.org/ieee1872-owl/corax#",
     "core": CORE,

@@ -16,7 +16,7 @@ CELL = 0.01  # metres
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Relief:
-    """``top[i, j]``: the largest z over the cell whose lower corner is ``origin + CELL * (i, j)``; -inf where none is."""
+    """``top[i, j]``: the largest z over the cell whose lower corner is ``origin + CELL * (i, j)``, or -inf."""
 
     origin: Array  # (2,)
     top: Array

@@ -18,7 +18,7 @@ from runtime.skills.place import Spot, place, spots
 from runtime.skills.reach import Reach, Reached
 from runtime.skills.world import World
 
-__all__ = ["Transfer", "transfer", "transfers"]
+__all__ = ["Transfer", "reachable", "transfer", "transfers"]
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ def transfers(
         grasps = grasps_of(world, entity, search)
         for yaw in YAWS:
             found = spots(world, entity, place_, yaw, holds)[:SPOTS]
-            for grasp, at in _reachable(world, reach, grasps, tried):
+            for grasp, at in reachable(world, reach, grasps, tried):
                 local = grasp.pose.inverse() @ body
                 best = next(_released(reach, at, entity, local, found, grasp.width), None)
                 if best is not None:
@@ -66,7 +66,7 @@ def transfer(world: World, plan: Transfer) -> Generator[Action, None, None]:
     yield from place(world, holding, plan.spot, plan.release)
 
 
-def _reachable(
+def reachable(
     world: World, reach: Reach, grasps: Sequence[Grasp], tried: Sequence[Pose]
 ) -> Iterator[tuple[Grasp, Reached]]:
     """Those of ``grasps`` that the arm reaches without running into anything, none near another."""

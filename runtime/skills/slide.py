@@ -41,7 +41,7 @@ STUCK = 15  # steps without the object moving
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Slide:
-    """Push ``entity`` from the gripper's ``start``, its hand leaning by ``tilt`` (rad), until it is at ``goal`` (2,)."""
+    """Push ``entity`` from the gripper's ``start``, its hand leaning by ``tilt`` (rad), up to ``goal`` (2,)."""
 
     entity: str
     start: Pose

@@ -7,9 +7,10 @@ textures (two thirds of a model) when no picture is wanted. Removing them change
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from weakref import WeakSet
 
 import mujoco
 import numpy as np
@@ -20,7 +21,7 @@ from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
 from runtime.simulator.scene_cache import Record, SceneCache, key_of, stamp
-from runtime.simulator.snapshot import Snapshot
+from runtime.simulator.snapshot import Snapshot, identity
 
 __all__ = ["ArmIndex", "CompiledScene", "compile_scene"]
 
@@ -45,7 +46,10 @@ class ArmIndex:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledScene:
-    """``home`` is the whole state after LIBERO's reset; ``substeps`` of ``model.opt.timestep`` make a control step."""
+    """``home`` is the whole state after LIBERO's reset; ``substeps`` of ``model.opt.timestep`` make a control step.
+
+    ``users`` are the simulations that run in it now.
+    """
 
     bddl: Path
     seed: int
@@ -55,6 +59,7 @@ class CompiledScene:
     home: Snapshot
     substeps: int
     pictures: bool
+    users: WeakSet[Any] = field(default_factory=WeakSet, repr=False)
 
 
 def compile_scene(
@@ -85,7 +90,7 @@ def compile_scene(
 
 def _scene(bddl: Path, seed: int, record: Record, model: mujoco.MjModel, *, pictures: bool) -> CompiledScene:
     arrays, values = record.arrays, record.values
-    home = _snapshot(record)
+    home = _snapshot(record, identity(model))
     model.body_pos[:] = home.body_pos
     model.body_quat[:] = home.body_quat
     names = ("qpos", "dof", "actuators", "fingers", "torque_low", "torque_high")
@@ -131,7 +136,7 @@ def _plain(value: Any) -> Any:  # noqa: ANN401  a number or None
     return value.item() if isinstance(value, np.generic) else value
 
 
-def _snapshot(record: Record) -> Snapshot:
+def _snapshot(record: Record, scene: str) -> Snapshot:
     arrays, values = record.arrays, record.values
     controller: dict[str, Any] = dict(values["controller"])
     prefix = "controller."
@@ -144,6 +149,7 @@ def _snapshot(record: Record) -> Snapshot:
         arrays["home.gripper_action"],
         controller,
         (step, seconds, done),
+        scene,
     )
 
 

@@ -17,6 +17,7 @@ from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
 from runtime.simulator import snapshot
 from runtime.simulator.assets import TaskRef
+from runtime.simulator.flat_state import FlatStates
 from runtime.simulator.native_import import control_env, predicate_names, quiet, randomization_error
 from runtime.simulator.snapshot import Snapshot
 
@@ -123,16 +124,9 @@ class NativeTask:
     def reset_to(self, state: ArrayLike) -> None:
         """Go to a flat ``state`` (1 + nq + nv,) as ``reset`` followed by LIBERO's ``set_init_state`` would.
 
-        Raises ``SIM004`` when its length is another scene's, ``SIM003`` when it is not finite.
+        Raises ``SIM004`` when it is another scene's, ``SIM003`` when it is not finite.
         """
-        flat = np.array(state, dtype=np.float64).ravel()
-        if flat.size != self.state_size:
-            message = (
-                f"the initial state has {flat.size} numbers, the scene of `{self.bddl.stem}` needs {self.state_size}"
-            )
-            raise OntoError.of("SIM004", message, "take the initial states of the same task and LIBERO version")
-        if not np.isfinite(flat).all():
-            raise OntoError.of("SIM003", f"the initial state is not finite at {int(np.argmin(np.isfinite(flat)))}")
+        flat = FlatStates(self.model, self.bddl.stem).checked(state)
         with quiet():
             self.restore(self._fresh)
             self._control.set_init_state(flat)

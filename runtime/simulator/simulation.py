@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from onto_compiler.problems import OntoError
 from runtime.faults import RunFault
 from runtime.simulator.compiled import CompiledScene
-from runtime.simulator.snapshot import FULL, Snapshot
+from runtime.simulator.flat_state import FlatStates
+from runtime.simulator.snapshot import FULL, Snapshot, check_scene
 
 __all__ = ["DUMMY_ACTION", "Simulation", "Stepper"]
 
@@ -63,21 +64,26 @@ class Simulation:
     """
 
     def __init__(self, scene: CompiledScene, *, exact: bool = False) -> None:
-        """Allocate a state of ``scene`` and go to its home. Simulations of one scene share its fixtures' poses."""
+        """Allocate a state of ``scene`` and go to its home.
+
+        Simulations of one scene share its model, and with it the fixtures' poses; see :meth:`restore`.
+        """
         mujoco.set_mju_user_warning(_LOG.warning)  # it would write MUJOCO_LOG.TXT into the working folder
         self.scene = scene
         self.model = scene.model
         self.data = mujoco.MjData(scene.model)
         self.exact = exact
         self.steps = 0
+        self._flat = FlatStates(scene.model, scene.bddl.stem)
         self._good = np.empty(mujoco.mj_stateSize(self.model, FULL))
         self._stepper = _stepper(scene, self.data, exact=exact)
         self.restore(scene.home)
+        scene.users.add(self)
 
     @property
     def state_size(self) -> int:
         """The length of LIBERO's flat state: time, qpos, qvel."""
-        return int(1 + self.model.nq + self.model.nv)
+        return self._flat.size
 
     @property
     def flat_state(self) -> NDArray[np.float64]:
@@ -87,17 +93,9 @@ class Simulation:
     def reset_to(self, state: ArrayLike) -> None:
         """Go to a flat ``state`` (1 + nq + nv,) as LIBERO's ``reset`` and ``set_init_state`` would: a state write.
 
-        Raises ``SIM004`` when its length is another scene's, ``SIM003`` when it is not finite.
+        Raises ``SIM004`` when it is another scene's, ``SIM003`` when it is not finite.
         """
-        flat = np.array(state, dtype=np.float64).ravel()
-        if flat.size != self.state_size:
-            message = (
-                f"the initial state has {flat.size} numbers, the scene of `{self.scene.bddl.stem}` needs "
-                f"{self.state_size}"
-            )
-            raise OntoError.of("SIM004", message, "take the initial states of the same task and LIBERO version")
-        if not np.isfinite(flat).all():
-            raise OntoError.of("SIM003", f"the initial state is not finite at {int(np.argmin(np.isfinite(flat)))}")
+        flat = self._flat.checked(state)
         self.restore(self.scene.home)
         data, nq = self.data, self.model.nq
         data.time = flat[0]
@@ -156,14 +154,14 @@ class Simulation:
         return self._snapshot(integration, *self._stepper.take())
 
     def restore(self, saved: Snapshot) -> None:
-        """Go back to ``saved``, of this scene, whoever took it; raises ``SIM004`` where it is another scene's."""
+        """Go back to ``saved``, of this scene, whoever took it; raises ``SIM004`` where it is another scene's.
+
+        Where its fixtures stand elsewhere they are moved, which is refused (``SIM022``) while another simulation runs
+        in the same compiled scene.
+        """
         model, data = self.model, self.data
-        if saved.integration.size != self._good.size or len(saved.body_pos) != model.nbody:
-            raise OntoError.of(
-                "SIM004", "the snapshot belongs to another scene", "restore it in the task that it was taken in"
-            )
-        model.body_pos[:] = saved.body_pos
-        model.body_quat[:] = saved.body_quat
+        check_scene(saved, model, self.scene.home.scene)
+        self._move_fixtures(saved)
         mujoco.mj_setState(model, data, saved.integration, FULL)
         mujoco.mj_forward(model, data)
         mujoco.mj_setState(model, data, saved.integration, FULL)  # mj_forward moves the warm start
@@ -171,6 +169,21 @@ class Simulation:
         self.steps = saved.clock[0]
         for kind in _WARNINGS:
             data.warning[kind].number = 0
+
+    def _move_fixtures(self, saved: Snapshot) -> None:
+        """Write the fixtures' poses, which MuJoCo keeps in the model, unless that would move another simulation's."""
+        model = self.model
+        if np.array_equal(model.body_pos, saved.body_pos) and np.array_equal(model.body_quat, saved.body_quat):
+            return
+        others = len(self.scene.users) - (self in self.scene.users)
+        if others:
+            raise OntoError.of(
+                "SIM022",
+                f"the snapshot's fixtures stand elsewhere than those of {others} other simulations of this scene",
+                "compile the scene once more for this simulation: every `compile_scene` gives a model of its own",
+            )
+        model.body_pos[:] = saved.body_pos
+        model.body_quat[:] = saved.body_quat
 
     def _finite(self) -> bool:
         # A sum is not finite where a term is not; it can only overflow in a state that has diverged.
@@ -181,7 +194,13 @@ class Simulation:
     ) -> Snapshot:
         clock = (self.steps, self.steps / 20, False)
         return Snapshot(
-            integration, self.model.body_pos.copy(), self.model.body_quat.copy(), gripper, controller, clock
+            integration,
+            self.model.body_pos.copy(),
+            self.model.body_quat.copy(),
+            gripper,
+            controller,
+            clock,
+            self.scene.home.scene,
         )
 
 

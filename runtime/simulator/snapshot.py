@@ -7,6 +7,7 @@ the flat state alone therefore drifts; from a :class:`Snapshot` it is exact.
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -17,9 +18,14 @@ from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError
 
-__all__ = ["Snapshot", "put", "take"]
+__all__ = ["Snapshot", "check_scene", "identity", "put", "take"]
 
 FULL = mujoco.mjtState.mjSTATE_INTEGRATION
+# What tells scenes of equal sizes apart. Where the fixtures stand (body_pos) is a part of the state.
+_PARTS = (
+    *("body_parentid", "body_mass", "geom_bodyid", "geom_type", "geom_size", "geom_pos"),
+    *("jnt_type", "jnt_bodyid", "jnt_range", "site_bodyid", "site_size", "site_pos"),
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +38,27 @@ class Snapshot:
     gripper_action: NDArray[np.float64]
     controller: Mapping[str, Any]  # goal, reference and cached kinematics, by robosuite's attribute name
     clock: tuple[int, float, bool]  # control steps, seconds, done
+    scene: str  # the identity of the model that it is a state of
+
+
+def identity(model: mujoco.MjModel) -> str:
+    """A hash of the scene's bodies, geoms, joints and sites, their names included: of what a state speaks.
+
+    With textures and without, and wherever the fixtures stand, it is the same.
+    """
+    total = hashlib.blake2b(model.names[: int(model.name_siteadr[-1])], digest_size=16)
+    for name in _PARTS:
+        total.update(getattr(model, name).tobytes())
+    return total.hexdigest()
+
+
+def check_scene(saved: Snapshot, model: mujoco.MjModel, scene: str) -> None:
+    """Raise ``SIM004`` where ``saved`` is not of ``model``, whose :func:`identity` is ``scene``."""
+    sizes = saved.integration.size, saved.body_pos.shape, saved.body_quat.shape
+    if saved.scene != scene or sizes != (mujoco.mj_stateSize(model, FULL), model.body_pos.shape, model.body_quat.shape):
+        raise OntoError.of(
+            "SIM004", "the snapshot belongs to another scene", "restore it in the task that it was taken in"
+        )
 
 
 def take(env: Any) -> Snapshot:  # noqa: ANN401  robosuite's untyped environment
@@ -46,16 +73,14 @@ def take(env: Any) -> Snapshot:  # noqa: ANN401  robosuite's untyped environment
         np.array(robot.gripper.current_action, dtype=np.float64),
         _plain(robot.controller),
         (env.timestep, env.cur_time, env.done),
+        identity(model),
     )
 
 
 def put(env: Any, saved: Snapshot) -> None:  # noqa: ANN401  robosuite's untyped environment
     """Write ``saved`` back; raises ``SIM004`` when it is another scene's."""
     model, data, robot = env.sim.model._model, env.sim.data._data, env.robots[0]  # noqa: SLF001  the only access
-    if saved.integration.size != mujoco.mj_stateSize(model, FULL) or len(saved.body_pos) != model.nbody:
-        raise OntoError.of(
-            "SIM004", "the snapshot belongs to another scene", "restore it in the task that it was taken in"
-        )
+    check_scene(saved, model, identity(model))
     model.body_pos[:] = saved.body_pos
     model.body_quat[:] = saved.body_quat
     mujoco.mj_setState(model, data, saved.integration, FULL)

@@ -223,3 +223,52 @@ def test_resets_and_steps_need_no_more_memory(scene, state):
         made.reset_to(state)
         made.settle(2)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 4096  # KiB
+
+
+def test_a_state_of_the_right_length_with_numbers_in_the_wrong_places_is_refused(scene, state):
+    made = simulation(scene)
+    before = made.flat_state
+    wrong = state.copy()
+    wrong[1 : 1 + made.model.nq] = np.roll(wrong[1 : 1 + made.model.nq], 1)
+    problem = fault(made.reset_to, wrong)
+    assert problem.code == "SIM004"
+    assert "orientation" in problem.message
+    assert np.array_equal(made.flat_state, before)
+
+
+def test_a_snapshot_of_another_scene_of_equal_sizes_is_refused(scene, state):
+    import mujoco
+
+    from runtime.simulator.snapshot import identity
+
+    made = simulation(scene, state)
+    other = mujoco.MjModel.from_xml_string("<mujoco><worldbody><site/></worldbody></mujoco>")
+    assert identity(other) != identity(scene.model)
+    saved = dataclasses.replace(made.snapshot(), scene=identity(other))
+    assert fault(made.restore, saved).code == "SIM004"
+
+
+def test_a_scene_is_itself_with_and_without_textures_and_wherever_its_fixtures_stand(ref, scene, native):
+    from runtime.simulator.compiled import compile_scene
+    from runtime.simulator.snapshot import identity
+
+    elsewhere = compile_scene(ref.bddl, seed=1)
+    assert not np.array_equal(elsewhere.model.body_pos, scene.model.body_pos)
+    assert identity(native.model) == identity(elsewhere.model) == identity(scene.model) == scene.home.scene
+
+
+def test_fixtures_are_not_moved_under_another_simulation(ref, scene):
+    from runtime.simulator.compiled import compile_scene
+
+    elsewhere = simulation(compile_scene(ref.bddl, seed=1)).snapshot()
+    shared = compile_scene(ref.bddl)
+    first, second = simulation(shared), simulation(shared)
+    poses = shared.model.body_pos.copy()
+    problem = fault(second.restore, elsewhere)
+    assert problem.code == "SIM022"
+    assert np.array_equal(shared.model.body_pos, poses)
+    del first
+    second.restore(elsewhere)
+    assert np.array_equal(shared.model.body_pos, elsewhere.body_pos)
+    assert fault(simulation, shared).code == "SIM022"
+    assert np.array_equal(second.snapshot().body_pos, elsewhere.body_pos)

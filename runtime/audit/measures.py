@@ -97,13 +97,18 @@ def _slide(stage: Stage) -> Iterator[Reading]:
 
 
 def _overlap(stage: Stage) -> Iterator[Reading]:
-    """Metres of the deepest contact of each pair when the state is set."""
+    """Metres of the deepest contact of each two objects or fixtures when the state is set."""
     return (Reading(pair, depth) for pair, depth in stage.before.depths.items())
 
 
+def _sunk(stage: Stage) -> Iterator[Reading]:
+    """Metres of the deepest contact of each object with table, floor or robot when the state is set."""
+    return (Reading(pair, depth) for pair, depth in stage.before.sunk.items())
+
+
 def _penetration(stage: Stage) -> Iterator[Reading]:
-    """Metres of the deepest contact of each pair after settling."""
-    return (Reading(pair, depth) for pair, depth in stage.after.depths.items())
+    """Metres of the deepest contact of each pair, of whatever kind, after settling."""
+    return (Reading(pair, depth) for pair, depth in (*stage.after.depths.items(), *stage.after.sunk.items()))
 
 
 def _initial_fact(stage: Stage) -> Iterator[Reading]:
@@ -154,6 +159,7 @@ MEASURES: Mapping[str, Callable[[Stage], Iterator[Reading]]] = {
     "overlap": _overlap,
     "penetration": _penetration,
     "slide": _slide,
+    "sunk": _sunk,
     "tilt": _tilt,
     "turn": _turn,
 }

@@ -22,13 +22,15 @@ class Moment:
     """Everything by name.
 
     ``poses`` are each movable object's position (3,) in metres and its axes as columns (3, 3); ``hinges`` are in
-    radians, ``slides`` in metres; ``depths`` are the deepest contacts in metres, by pair: ``a, b``.
+    radians, ``slides`` in metres. The deepest contacts in metres stand by pair, ``a, b``: ``depths`` between two
+    objects or fixtures, ``sunk`` between one and whatever else there is (table, floor, robot).
     """
 
     poses: Poses
     hinges: Mapping[str, float]
     slides: Mapping[str, float]
     depths: Mapping[str, float]
+    sunk: Mapping[str, float]
 
 
 class Observer:
@@ -38,22 +40,25 @@ class Observer:
         self._objects = {name: scene.root_body(name) for name in scene.entities if scene.free_joint(name) is not None}
         self._hinges, self._slides = _addresses(scene, _HINGE), _addresses(scene, _SLIDE)
         self._owners = _owners(scene)
+        self._entities = frozenset(scene.entities)
 
     def moment(self, data: mujoco.MjData) -> Moment:
         """Copy what ``data``, a forwarded state of the scene, shows."""
         poses = {n: (data.xpos[b].copy(), data.xmat[b].reshape((3, 3)).copy()) for n, b in self._objects.items()}
         hinges = {name: float(data.qpos[address]) for name, address in self._hinges.items()}
         slides = {name: float(data.qpos[address]) for name, address in self._slides.items()}
-        return Moment(poses, hinges, slides, self._depths(data))
+        return Moment(poses, hinges, slides, *self._contacts(data))
 
-    def _depths(self, data: mujoco.MjData) -> dict[str, float]:
-        deepest: dict[str, float] = {}
+    def _contacts(self, data: mujoco.MjData) -> tuple[dict[str, float], dict[str, float]]:
+        depths: dict[str, float] = {}
+        sunk: dict[str, float] = {}
         for distance, pair in zip(data.contact.dist, data.contact.geom, strict=True):
             first, second = sorted(self._owners[geom] for geom in pair)  # no scene of LIBERO has a flex, geom -1
             if distance < 0 and first != second:
+                deepest = depths if {first, second} <= self._entities else sunk
                 key = f"{first}, {second}"
                 deepest[key] = max(deepest.get(key, 0.0), -float(distance))
-        return deepest
+        return depths, sunk
 
 
 def _addresses(scene: Scene, kind: mujoco.mjtJoint) -> dict[str, int]:

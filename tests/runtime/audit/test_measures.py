@@ -26,8 +26,8 @@ def about(axis, angle):
     return matrix
 
 
-def moment(position=(0, 0, 0), axes=UPRIGHT, hinges=(), slides=(), depths=()):
-    return Moment({"cup": (np.array(position, float), axes)}, dict(hinges), dict(slides), dict(depths))
+def moment(position=(0, 0, 0), axes=UPRIGHT, hinges=(), slides=(), depths=(), sunk=()):
+    return Moment({"cup": (np.array(position, float), axes)}, dict(hinges), dict(slides), dict(depths), dict(sunk))
 
 
 def stage(before, after):
@@ -78,10 +78,14 @@ def test_joints_are_compared_by_name():
 
 
 def test_depths_are_read_before_and_after_settling():
-    one = stage(moment(depths={"cup, plate": 0.004}), moment(depths={"cup, table": 0.0001}))
-    ((start,), (end,)) = (tuple(MEASURES[name](one)) for name in ("overlap", "penetration"))
-    assert (start.subject, start.value) == ("cup, plate", 0.004)
-    assert (end.subject, end.value) == ("cup, table", 0.0001)
+    before = moment(depths={"cup, plate": 0.004}, sunk={"cup, table": 0.03})
+    one = stage(before, moment(depths={"bowl, cup": 0.002}, sunk={"cup, table": 0.0001}))
+    found = {name: {r.subject: r.value for r in MEASURES[name](one)} for name in ("overlap", "sunk", "penetration")}
+    assert found == {
+        "overlap": {"cup, plate": 0.004},
+        "sunk": {"cup, table": 0.03},
+        "penetration": {"bowl, cup": 0.002, "cup, table": 0.0001},
+    }
 
 
 @pytest.mark.parametrize(
@@ -117,4 +121,4 @@ def test_a_goal_that_holds_already_is_a_failure(schema, truths, holds):
 
 def test_the_deciding_measures_are_measures():
     assert set(MEASURES) > DECIDING
-    assert len(MEASURES) == 10
+    assert len(MEASURES) == 11

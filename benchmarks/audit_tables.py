@@ -1,0 +1,105 @@
+"""The tables of docs/audit.md: what is false at the start, every task by kind of failure, other versions of MuJoCo."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+from statistics import median
+from typing import Any
+
+from benchmarks.audit import FALSE
+
+__all__ = ["audit_table", "versions_table"]
+
+KINDS = {
+    FALSE: "fact false",
+    "goal_true": "goal true",
+    "displaced": "displaced",
+    "tipped": "tipped",
+    "turned": "turned",
+    "fell": "fell",
+    "hinge_moved": "hinge",
+    "slide_moved": "slide",
+    "interpenetrating": "in each other",
+    "overlapping_at_start": "overlap at start",
+    "sunk_at_start": "sunk at start",
+}
+Task = tuple[str, int, str]
+Row = dict[str, Any]
+
+
+def audit_table(result: dict[str, Any]) -> str:
+    """The false initial facts, then one line per task with the states that show each kind of failure."""
+    m = result["metrics"]
+    states = [row for row in result["rows"] if "crashed" not in row and row["state"] is not None]
+    tasks: dict[Task, list[Row]] = defaultdict(list)
+    for row in states:
+        tasks[row["suite"], row["task"], row["name"]].append(row)
+    lines = [_row("task", "initial fact that is false", "states", "median margin", "decided by"), _row(*["---"] * 5)]
+    for (suite, index, _), rows in tasks.items():
+        for subject, failures in sorted(_by_subject(rows, FALSE).items()):
+            margins = [failure["margin"] for failure in failures if failure["margin"] is not None]
+            margin = f"{median(margins) * 1000:+.0f} mm" if margins and failures[0]["unit"] == "m" else "—"
+            limits = ", ".join(sorted({failure["limit"] for failure in failures}))
+            lines.append(_row(f"`{suite}` {index}", f"`{subject}`", f"{len(failures)} of {len(rows)}", margin, limits))
+    total = (
+        f"{m['tasks']} tasks, {m['states']:,} initial states: in {m['premise_false_states']} states of "
+        f"{m['premise_false_tasks']} tasks an initial fact is false; {m['sound_states']:,} states show no failure of "
+        f"any kind; {m['faults']} facts, states or tasks could not be audited and {m['crashed']} trials crashed."
+    )
+    shown = [kind for kind in KINDS if m.get(f"{kind}.states")]
+    lines += [
+        "",
+        total,
+        "",
+        "States of each task that show a failure, by kind; kinds that no state shows are left out:",
+        "",
+    ]
+    lines += [_row("task", "", *(KINDS[kind] for kind in shown)), _row(*["---"] * (2 + len(shown)))]
+    for (suite, index, name), rows in tasks.items():
+        counts = (sum(any(f["kind"] == kind for f in row["failures"]) for row in rows) for kind in shown)
+        lines.append(_row(f"`{suite}` {index}", name.replace("_", " "), *(str(n) if n else "" for n in counts)))
+    sums = (f"{m[f'{kind}.states']} in {m[f'{kind}.tasks']} tasks" for kind in shown)
+    lines.append(_row("all", "", *sums))
+    return "\n".join(lines)
+
+
+def versions_table(result: dict[str, Any]) -> str:
+    """The initial facts whose truth depends on the version of MuJoCo: false states under each."""
+    rows = [row for row in result["rows"] if "crashed" not in row and row["state"] is not None]
+    versions = list(dict.fromkeys(row["mujoco"] for row in rows))
+    counts: dict[tuple[Task, str], dict[str, set[int]]] = defaultdict(lambda: defaultdict(set))
+    margins: dict[tuple[Task, str, str], list[float]] = defaultdict(list)
+    for row in rows:
+        task = (row["suite"], row["task"], row["name"])
+        for failure in row["failures"]:
+            if failure["kind"] == FALSE:
+                counts[task, failure["subject"]][row["mujoco"]].add(row["state"])
+                margins[task, failure["subject"], row["mujoco"]].append(failure["margin"] or 0.0)
+    lines = [
+        _row("task", "initial fact", *(f"false under {v}" for v in versions)),
+        _row(*["---"] * (2 + len(versions))),
+    ]
+    differing = [(key, found) for key, found in counts.items() if len({frozenset(found[v]) for v in versions}) > 1]
+    for (task, subject), found in sorted(differing):
+        cells = (
+            f"{len(found[v])} ({median(margins[task, subject, v]) * 1000:+.0f} mm)" if found[v] else "0"
+            for v in versions
+        )
+        lines.append(_row(f"`{task[0]}` {task[1]}", f"`{subject}`", *cells))
+    m = result["metrics"]
+    each = "; ".join(f"{m[f'{v}.premise_false_states']} of {m[f'{v}.states']:,} under {v}" for v in versions)
+    return "\n".join([*lines, "", f"States with a false initial fact: {each}."])
+
+
+def _by_subject(rows: Iterable[Row], kind: str) -> dict[str, list[dict[str, Any]]]:
+    found: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    for row in rows:
+        for failure in row["failures"]:
+            if failure["kind"] == kind:
+                found[failure["subject"]].append(failure)
+    return found
+
+
+def _row(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"

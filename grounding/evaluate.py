@@ -11,10 +11,12 @@ from typing import Any, NamedTuple
 
 import numba
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
+
+from grounding.jit import compiled
 
 __all__ = [
     "ANY_JOINT",
@@ -40,7 +42,6 @@ SLOTS = (
     *("integers", "numbers", "facts", "joints", "njoint", "truth"),
 )
 
-_compiled = njit(cache=True, error_model="numpy")
 carray: Any = numba.carray  # type: ignore[attr-defined]  # it is there, and documented
 
 Floats = NDArray[np.float64]
@@ -67,7 +68,7 @@ def _pointer_of(typing: Any, address: Any) -> Any:  # noqa: ANN401, ARG001  numb
 _pointer: Any = intrinsic(_pointer_of)
 
 
-@_compiled
+@compiled
 def _met(slots: NDArray[np.int64]) -> np.uint64:
     """The contacts of the plans that exist, one bit each."""
     ncon, start, geom, stride, _, sides_at, ngeom = slots[:7]
@@ -83,7 +84,7 @@ def _met(slots: NDArray[np.int64]) -> np.uint64:
     return met
 
 
-@_compiled
+@compiled
 def _state(slots: NDArray[np.int64]) -> State:
     qpos, nq, xpos, nbody, site_xpos, site_xmat, nsite = slots[7:14]
     return State(
@@ -95,7 +96,7 @@ def _state(slots: NDArray[np.int64]) -> State:
     )
 
 
-@_compiled
+@compiled
 def _finite(values: Floats) -> bool:
     nothing = 0.0
     for value in values:
@@ -103,13 +104,13 @@ def _finite(values: Floats) -> bool:
     return nothing == 0.0
 
 
-@_compiled
+@compiled
 def _less(a: float, b: float) -> float:
     """The smaller number, and NaN where there is one."""
     return b if not a <= b else a
 
 
-@_compiled
+@compiled
 def _within(offset: Vector, low: Vector, high: Vector) -> float:
     least = np.inf
     for axis in range(3):
@@ -117,7 +118,7 @@ def _within(offset: Vector, low: Vector, high: Vector) -> float:
     return least
 
 
-@_compiled
+@compiled
 def _turned(frame: Floats, x: float, y: float, z: float) -> Vector:
     return (
         frame[0] * x + frame[1] * y + frame[2] * z,
@@ -126,12 +127,12 @@ def _turned(frame: Floats, x: float, y: float, z: float) -> Vector:
     )
 
 
-@_compiled
+@compiled
 def _between(a: Floats, b: Floats) -> Vector:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-@_compiled
+@compiled
 def _of_joints(state: State, kind: int, start: int, stop: int, given: Floats) -> float:
     every = kind == EVERY_JOINT
     margin = np.inf if every else -np.inf
@@ -141,7 +142,7 @@ def _of_joints(state: State, kind: int, start: int, stop: int, given: Floats) ->
     return margin
 
 
-@_compiled
+@compiled
 def _margin(state: State, kind: int, first: int, second: int, given: Floats) -> float:
     """The margin that decides, contact aside; NaN without a plan."""
     if kind == BOX:
@@ -160,7 +161,7 @@ def _margin(state: State, kind: int, first: int, second: int, given: Floats) -> 
     return np.nan
 
 
-@_compiled
+@compiled
 def evaluate(block: int) -> int:
     """Write the truth of every fact (0, 1, :data:`OPEN`) and return how many are open; -1: ``qpos`` is not finite."""
     slots = carray(_pointer(block), (20,), np.int64)

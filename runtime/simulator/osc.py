@@ -12,14 +12,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from grounding.jit import compiled
 from runtime.simulator.libmujoco import mj_jac_site, mj_step1, mj_step2
 from runtime.simulator.touch import GRIPPER_SPEED
-
-# A division by zero is left to the check of the state: as an exception it would cost a branch in each solve.
-_compiled = njit(cache=True, error_model="numpy")
 
 __all__ = ["Addresses", "Arm", "Control", "control_step", "rotation"]
 
@@ -85,7 +82,7 @@ class Control(NamedTuple):
     torques: Floats  # (7,) unclipped
 
 
-@_compiled
+@compiled
 def rotation(vector: Floats) -> Floats:
     """Matrix of a rotation vector (3,), in the single precision of robosuite's ``quat2mat``."""
     angle = np.linalg.norm(vector)
@@ -106,7 +103,7 @@ def rotation(vector: Floats) -> Floats:
     return out
 
 
-@_compiled
+@compiled
 def _read(at: Addresses, arm: Arm, control: Control) -> None:
     """Copy pose, velocity, Jacobian and mass matrix of the arm: robosuite's ``Controller.update``."""
     control.ee_pos[:] = at.site_pos
@@ -129,7 +126,7 @@ def _read(at: Addresses, arm: Arm, control: Control) -> None:
             control.mass[i, j] = at.mass[arm.mass_index[i, j]]
 
 
-@_compiled
+@compiled
 def _dot(a: Floats, b: Floats) -> float:
     total = 0.0
     for i in range(a.size):
@@ -137,7 +134,7 @@ def _dot(a: Floats, b: Floats) -> float:
     return total
 
 
-@_compiled
+@compiled
 def _factor(a: Floats) -> None:
     """Cholesky factor of a symmetric positive definite matrix, in place, in its lower triangle."""
     n = a.shape[0]
@@ -150,7 +147,7 @@ def _factor(a: Floats) -> None:
             a[i, j] /= root
 
 
-@_compiled
+@compiled
 def _solve(factor: Floats, b: Floats) -> None:
     """Solve in place for one right-hand side."""
     n = b.size
@@ -164,7 +161,7 @@ def _solve(factor: Floats, b: Floats) -> None:
         b[i] /= factor[i, i]
 
 
-@_compiled
+@compiled
 def _set_goal(control: Control, action: Floats) -> None:
     control.goal_pos[:] = control.ee_pos + POSITION_SCALE * action[:3]
     turn = ROTATION_SCALE * action[3:6]
@@ -172,7 +169,7 @@ def _set_goal(control: Control, action: Floats) -> None:
         control.goal_ori[:] = rotation(turn) @ control.ee_ori
 
 
-@_compiled
+@compiled
 def _wrench(arm: Arm, control: Control) -> Floats:
     """The desired force and torque (6,): a spring and a damper towards the goal."""
     wrench = np.empty(6)
@@ -187,7 +184,7 @@ def _wrench(arm: Arm, control: Control) -> Floats:
     return wrench
 
 
-@_compiled
+@compiled
 def _posture(arm: Arm, control: Control) -> Floats:
     """The joint torques (7,) that pull towards the posture, before they are projected into the null space."""
     posture = np.zeros(7)
@@ -198,7 +195,7 @@ def _posture(arm: Arm, control: Control) -> Floats:
     return posture
 
 
-@_compiled
+@compiled
 def _torques(at: Addresses, arm: Arm, control: Control) -> None:
     """Operational space control with decoupled position and orientation, and a posture task in the null space."""
     wrench, posture = _wrench(arm, control), _posture(arm, control)
@@ -227,7 +224,7 @@ def _torques(at: Addresses, arm: Arm, control: Control) -> None:
         control.torques[j] = total
 
 
-@_compiled
+@compiled
 def _apply(at: Addresses, arm: Arm, control: Control, gripper: float) -> None:
     for i in range(7):
         at.ctrl[arm.actuators[i]] = min(max(control.torques[i], arm.torque_low[i]), arm.torque_high[i])
@@ -237,7 +234,7 @@ def _apply(at: Addresses, arm: Arm, control: Control, gripper: float) -> None:
         at.ctrl[arm.fingers[i]] = arm.finger_bias[i] + arm.finger_weight[i] * control.gripper[i]
 
 
-@_compiled
+@compiled
 def _touch(at: Addresses, side: NDArray[np.int16], touched: NDArray[np.bool_]) -> None:
     for i in range(at.ncon[0]):
         a, b = side[at.contact_geom[i, 0]], side[at.contact_geom[i, 1]]
@@ -246,7 +243,7 @@ def _touch(at: Addresses, side: NDArray[np.int16], touched: NDArray[np.bool_]) -
             touched[b, a] = True
 
 
-@_compiled
+@compiled
 def control_step(
     at: Addresses,
     arm: Arm,

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema
-from runtime.skills import drawer
-from runtime.skills.contact import Contact, actuate, feasible
+from runtime.skills import door, drawer, knob
+from runtime.skills.contact import Contact, actuate, reachable
+from runtime.skills.fault import SkillFault
+from runtime.skills.frames import Pose
 from runtime.skills.joints import Articulation, articulations
 from runtime.skills.motion import Action
 from runtime.skills.reach import Reach
@@ -16,26 +18,42 @@ from runtime.skills.world import World
 
 __all__ = ["JointSkill", "joint_skills"]
 
+KNOB = 0.08  # metres; what turns and is wider is a door
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointSkill:
-    """One way to move one joint to where a fact asks it to be."""
+    """One way to move one joint to where a fact asks it to be; ``ways`` lead the free gripper to the ``contact``."""
 
     articulation: Articulation
     contact: Contact
+    ways: list[Pose]
 
     def run(self, world: World, reach_: Reach) -> Generator[Action, None, None]:
         """The actions; raises :class:`~runtime.skills.fault.SkillFault` where it gives up."""
-        yield from actuate(world, reach_, self.articulation, self.contact)
+        art = self.articulation
+        yield from actuate(world, art, self.contact, self.ways)
+        if self.contact.until is None:
+            return
+        art = replace(art, start=art.position(world))
+        for contact, ways in reachable(world, reach_, art, door.sweeps(world, art)):
+            yield from actuate(world, art, contact, ways)
+            return
+        raise SkillFault("unreachable", "the opened part cannot be reached from behind")
 
 
 def joint_skills(world: World, reach_: Reach, schema: Schema, fact: Fact) -> Iterator[JointSkill]:
     """The ways to satisfy a fact about a joint, the best first; none when it speaks of something else or holds."""
     for art in articulations(world, schema, fact):
-        for contact in feasible(world, reach_, art, _contacts(world, art)):
-            yield JointSkill(art, contact)
+        for contact, ways in reachable(world, reach_, art, _contacts(world, art)):
+            yield JointSkill(art, contact, ways)
 
 
 def _contacts(world: World, art: Articulation) -> Iterator[Contact]:
     if art.slides:
         yield from drawer.pulls(world, art) if drawer.opens(world, art) else drawer.pushes(world, art)
+    elif float(art.radii(world.points([art.body])).max()) < KNOB:
+        yield from knob.twists(world, art)
+    else:
+        yield from door.sweeps(world, art)
+        yield from door.pulls(world, art)

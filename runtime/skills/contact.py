@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,18 +14,21 @@ from runtime.skills.joints import Articulation
 from runtime.skills.motion import CLOSED, OPEN, Action, action_towards, close, grip, reach
 from runtime.skills.reach import OPEN as WIDE
 from runtime.skills.reach import Reach
-from runtime.skills.route import travel
+from runtime.skills.route import loose, route, travel
+from runtime.skills.transit import transit
 from runtime.skills.world import World
 
-__all__ = ["Contact", "actuate", "drive", "feasible"]
+__all__ = ["Contact", "actuate", "drive", "feasible", "reachable"]
 
 Array = NDArray[np.float64]
 
 LEAD_SLIDE, LEAD_HINGE, LEAD_TWIST = 0.06, 0.12, 0.5  # how far the gripper's goal is ahead: metres of its way, radians
 OVERSHOOT = 0.05  # metres of the gripper's way beyond the joint's limit, so that it presses
 STEPS = 90
+BLOCKED = 0.011  # metres that a grip may be short of its place
 STALLED = 14
 PROGRESS = 1e-4  # of the joint's way, metres or radians a step
+RESTING, STILL = 12, 1e-3  # steps at most, and the speed (m/s or rad/s) that counts as none
 RELEASE = 5  # steps to open the fingers
 DEEP = 0.016  # metres that the IK's collision model may see the gripper inside what it touches
 SLACK = 0.006  # metres that a pushing gripper must be free to go on
@@ -36,7 +39,8 @@ class Contact:
     """``pose`` of the gripper at the part as it stands; ``approach`` (3,) is the way from there back to free space.
 
     ``grips`` closes the fingers on the part, otherwise closed fingers push. ``follows`` is the share of the part's turn
-    that the gripper takes part in.
+    that the gripper takes part in. ``until`` is where the joint is let go before it is at its goal, for another contact
+    to go on.
     """
 
     pose: Pose
@@ -44,6 +48,7 @@ class Contact:
     grips: bool
     follows: float
     cost: float
+    until: float | None = None
 
     @property
     def before(self) -> Pose:
@@ -61,27 +66,33 @@ def target(art: Articulation, contact: Contact, start: float, position: float) -
 
 
 def feasible(world: World, reach_: Reach, art: Articulation, contacts: Iterable[Contact]) -> Iterator[Contact]:
-    """Those of ``contacts`` that the arm reaches, from before the contact until the joint is at its goal."""
-    for contact in contacts:
-        aperture = WIDE if contact.grips else 0.0
-        rotation = nearest_twin(contact.pose.rotation, world.eef.rotation)
-        twins = [rotation, rotation * np.array([-1.0, -1.0, 1.0])]
-        for twin in twins:
-            tried = Contact(
-                Pose(contact.pose.position, twin), contact.approach, contact.grips, contact.follows, contact.cost
-            )
-            if _reached(world, reach_, art, tried, aperture):
-                yield tried
-                break
+    """Those of ``contacts`` that the arm reaches, from before the contact until the joint is at its goal.
+
+    First those that touch nothing else; then those that would push movable objects aside.
+    """
+    every = list(contacts)
+    touches = {art.body: DEEP}
+    found = False
+    for allowed in (touches, touches | loose(world)):
+        if found:
+            return
+        for contact in every:
+            rotation = nearest_twin(contact.pose.rotation, world.eef.rotation)
+            for twin in (rotation, rotation * np.array([-1.0, -1.0, 1.0])):
+                tried = replace(contact, pose=Pose(contact.pose.position, twin))
+                if _reached(world, reach_, art, tried, allowed):
+                    found = True
+                    yield tried
+                    break
 
 
-def _reached(world: World, reach_: Reach, art: Articulation, contact: Contact, aperture: float) -> bool:
+def _reached(world: World, reach_: Reach, art: Articulation, contact: Contact, touches: Mapping[int, float]) -> bool:
     start = art.position(world)
-    at = reach_.solve(contact.before, reach_.begin(), aperture=aperture)
+    aperture = WIDE if contact.grips else 0.0
+    at = reach_.solve(contact.before, reach_.begin(), aperture=aperture, touches=touches)
     if not at.feasible:
         return False
-    touches = {art.body: DEEP}
-    last = art.end if not contact.grips else art.goal
+    last = art.end if art.narrow else art.goal if contact.until is None else contact.until
     for part in (0.0, 0.5, 1.0):
         position = start + part * (last - start)
         reach_.begin({art.address(world): position})
@@ -94,16 +105,43 @@ def _reached(world: World, reach_: Reach, art: Articulation, contact: Contact, a
     return True
 
 
-def actuate(world: World, reach_: Reach, art: Articulation, contact: Contact) -> Generator[Action, None, None]:
-    """Go to ``contact``, move the joint past its bound, let go and withdraw; raises :class:`SkillFault` otherwise."""
-    aperture, fingers = (WIDE, OPEN) if contact.grips else (0.0, CLOSED)
-    if not (yield from travel(world, reach_, contact.before, fingers, aperture=aperture)):
+def reachable(
+    world: World, reach_: Reach, art: Articulation, contacts: Iterable[Contact]
+) -> Iterator[tuple[Contact, list[Pose]]]:
+    """Those of ``contacts`` that are :func:`feasible` and to which a way leads, with that way.
+
+    Where no way leads to any of them, their order stands, and the way is the one from above.
+    """
+    barred = []
+    for contact in feasible(world, reach_, art, contacts):
+        ways = route(world, reach_, contact.before, aperture=WIDE if contact.grips else 0.0)
+        if ways is None:
+            barred.append(contact)
+        else:
+            yield contact, ways
+    yield from ((contact, []) for contact in barred)
+
+
+def actuate(
+    world: World, art: Articulation, contact: Contact, ways: Sequence[Pose] = ()
+) -> Generator[Action, None, None]:
+    """Go ``ways`` to ``contact``, move the joint past its bound, let go and withdraw.
+
+    Raises :class:`SkillFault` where that failed.
+    """
+    fingers = OPEN if contact.grips else CLOSED
+    arrived = travel(world, ways, fingers) if ways else transit(world, contact.before, fingers)
+    if not (yield from arrived):
         raise SkillFault("unreachable", "the gripper did not come to where the part is to be touched")
     if contact.grips:
-        yield from reach(world, contact.pose, OPEN, near=0.006, speed=0.8, steps=30)
+        yield from reach(world, contact.pose, OPEN, near=0.004, speed=0.8, steps=30)
+        short = float(np.linalg.norm(world.eef.position - contact.pose.position))
+        if short > BLOCKED:
+            yield from withdraw(world, contact)
+            raise SkillFault("blocked", f"the gripper stopped {1000 * short:.0f} mm before the handle")
         if not (yield from close(world, contact.pose, least=6)):
             raise SkillFault("lost", "the fingers closed beside the handle")
-        held = Contact(world.eef, contact.approach, contact.grips, contact.follows, contact.cost)
+        held = replace(contact, pose=world.eef)
         done = yield from drive(world, art, held)
     else:
         done = yield from drive(world, art, contact)
@@ -119,12 +157,14 @@ def drive(world: World, art: Articulation, contact: Contact) -> Generator[Action
     radius = 1.0 if art.slides else max(float(art.radii(reference[None])[0]), 0.02)
     lead = LEAD_SLIDE if art.slides else min(LEAD_TWIST, LEAD_HINGE / radius)
     beyond = art.end + art.sign * OVERSHOOT / radius
+    aim = art.goal if contact.until is None else contact.until
     best, idle = np.inf, 0
     for _ in range(STEPS):
         now = art.position(world)
-        left = art.left(now)
+        left = art.sign * (aim - now)
         if left <= 0.0:
-            return True
+            yield from _rest(world, art)
+            break
         idle = 0 if left < best - PROGRESS else idle + 1
         best = min(best, left)
         if idle > STALLED:
@@ -133,7 +173,18 @@ def drive(world: World, art: Articulation, contact: Contact) -> Generator[Action
         ahead = min(ahead, beyond) if art.sign > 0 else max(ahead, beyond)
         goal = target(art, contact, start, ahead)
         yield action_towards(world, goal, CLOSED)
-    return art.sign * (art.position(world) - art.bound) > 0.0
+    return art.sign * (art.position(world) - (art.bound if contact.until is None else aim)) > 0.0
+
+
+def _rest(world: World, art: Articulation) -> Generator[Action, None, None]:
+    """Hold still where the satisfied side is so narrow that the joint's limit may throw it back out."""
+    if not art.narrow:
+        return
+    hold = world.eef
+    for _ in range(RESTING):
+        yield action_towards(world, hold, CLOSED)
+        if abs(art.velocity(world)) < STILL:
+            return
 
 
 def withdraw(world: World, contact: Contact) -> Generator[Action, None, None]:

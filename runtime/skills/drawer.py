@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.skills.contact import Contact, twist_cost
-from runtime.skills.frames import Pose, frame
+from runtime.skills.frames import Pose, axis_angle, frame
 from runtime.skills.grasping import TIP
 from runtime.skills.handles import Handle, protruding
 from runtime.skills.joints import Articulation
@@ -21,21 +21,13 @@ __all__ = ["opens", "pulls", "pushes"]
 Array = NDArray[np.float64]
 
 UP = np.array([0.0, 0.0, 1.0])
-LEVEL = (
-    10.0,
-    18.0,
-    26.0,
-    34.0,
-    42.0,
-    50.0,
-    58.0,
-    66.0,
-    74.0,
-    82.0,
-)  # degrees that the hand is raised above the handle's own direction
+LEVELS = (10.0, 18.0, 26.0, 32.0, 40.0, 50.0)  # degrees that the hand is raised above the handle's own direction
+# Degrees that the hand is rolled about its approach: where there is no room for its width above a table, less of the
+# handle is between the fingers.
+ROLLS = (0.0, 30.0, -30.0, 54.0, -54.0)
 TILTS = (45.0, 30.0, 60.0, 15.0, 0.0, 75.0)  # degrees of a pushing finger from the vertical
 ALONG = (0.0, 0.02, -0.02)  # metres from the handle's middle
-PAD = 0.012  # metres of the tips beyond the middle of what they grip
+PAD = 0.010  # metres of the tips beyond the middle of what they grip
 SIDE, FLAT = 0.0245, 0.0145  # half widths of the closed fingers: closing axis, lateral axis
 BELOW = 0.008  # metres of the pushing tips below the handle's middle
 CLEAR = 0.03
@@ -59,10 +51,10 @@ def pulls(world: World, art: Articulation) -> Iterator[Contact]:
     handle = protruding(world.points([art.body]), out)
     if handle.thickness > THICKEST:
         return
-    for along, level in itertools.product(ALONG, LEVEL):
+    for roll, along, level in itertools.product(ROLLS, ALONG, LEVELS):
         angle = math.radians(level)
         approach = -math.cos(angle) * out - math.sin(angle) * UP
-        rotation = frame(approach, handle.thin)
+        rotation = frame(approach, handle.thin) @ axis_angle(np.array([0.0, 0.0, 1.0]), math.radians(roll))
         position = handle.centre + along * handle.long - (TIP - PAD) * approach
         cost = twist_cost(world, rotation) + 100 * abs(along)
         yield Contact(Pose(position, rotation), -BACK * approach, True, 1.0, cost)

@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 # How far past the bound a skill goes, so that what comes after does not undo it: metres on a slide, radians on a hinge.
 MARGIN_SLIDE, MARGIN_HINGE = 0.01, 0.15
+NARROW = 0.015  # width of a satisfied side, metres or radians
 _PART = 0.5  # of a satisfied side that is narrower than twice the margin
 _UNLIMITED = 1e3
 
@@ -51,6 +52,15 @@ class Articulation:
     def position(self, world: World) -> float:
         """The joint's position now."""
         return float(world.data.qpos[self.address(world)])
+
+    @property
+    def narrow(self) -> bool:
+        """Whether the satisfied side ends soon after the bound, so that the joint has to come to rest at its limit."""
+        return abs(self.end - self.bound) < NARROW
+
+    def velocity(self, world: World) -> float:
+        """The joint's velocity now, per second."""
+        return float(world.data.qvel[int(world.model.jnt_dofadr[self.joint])])
 
     def address(self, world: World) -> int:
         """Where ``qpos`` holds the joint."""

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,15 +13,16 @@ from numpy.typing import NDArray
 from runtime.skills.frames import Pose, axis_angle, rotation_vector
 from runtime.skills.motion import Motion, reach
 from runtime.skills.reach import Reach
-from runtime.skills.transit import CEILING, transit
+from runtime.skills.transit import CEILING
 from runtime.skills.world import World
 
-__all__ = ["between", "clear", "route", "travel"]
+__all__ = ["between", "clear", "loose", "route", "travel"]
 
 Array = NDArray[np.float64]
 
 STEP, TURN = 0.015, 0.11  # what the arm does in a control step at full speed: metres, radians
 SPARSE = 3  # control steps between two poses that are looked at
+SOFT = 1.0  # metres, deeper than anything is
 RISES = (0.08, 0.16, 0.24)  # metres
 
 
@@ -38,14 +39,28 @@ def between(start: Pose, goal: Pose) -> Iterator[Pose]:
     yield goal
 
 
-def clear(reach_: Reach, start: Pose, joints: Array, ways: Sequence[Pose], *, aperture: float) -> bool:
-    """Whether the arm can follow ``ways`` from ``start`` without running into anything.
+def loose(world: World) -> dict[int, float]:
+    """The bodies of movable objects, with a depth that any contact keeps below: they give way when they are touched."""
+    index = world.index
+    return {int(b): SOFT for name in index.entities if index.free_joint(name) is not None for b in index.bodies(name)}
+
+
+def clear(
+    reach_: Reach,
+    start: Pose,
+    joints: Array,
+    ways: Sequence[Pose],
+    *,
+    aperture: float,
+    touches: Mapping[int, float] | None = None,
+) -> bool:
+    """Whether the arm can follow ``ways`` from ``start`` without running into anything but what it ``touches``.
 
     ``joints`` (7,) is the arm at ``start``; call ``reach_.begin`` before.
     """
     for goal in ways:
         for pose in between(start, goal):
-            at = reach_.solve(pose, joints, aperture=aperture)
+            at = reach_.solve(pose, joints, aperture=aperture, touches=touches)
             if not at.feasible:
                 return False
             joints = at.joints
@@ -54,12 +69,16 @@ def clear(reach_: Reach, start: Pose, joints: Array, ways: Sequence[Pose], *, ap
 
 
 def route(world: World, reach_: Reach, goal: Pose, *, aperture: float) -> list[Pose] | None:
-    """Poses to pass through, ``goal`` last; None where every way that is tried runs into something."""
+    """Poses to pass through, ``goal`` last; None where every way that is tried runs into something.
+
+    Where all ways are obstructed, movable objects count no more.
+    """
     start = world.eef
     joints = reach_.begin()
-    for ways in _ways(start, goal):
-        if clear(reach_, start, joints, ways, aperture=aperture):
-            return ways
+    for touches in ({}, loose(world)):
+        for ways in _ways(start, goal):
+            if clear(reach_, start, joints, ways, aperture=aperture, touches=touches):
+                return ways
     return None
 
 
@@ -77,11 +96,8 @@ def _ways(start: Pose, goal: Pose) -> Iterator[list[Pose]]:
         yield [over_start, Pose(over_goal.backed(0.08).position, goal.rotation), goal]
 
 
-def travel(world: World, reach_: Reach, goal: Pose, gripper: float, *, aperture: float) -> Motion:
-    """Go to ``goal``; from above where no other way is known to be free. True when it arrived."""
-    ways = route(world, reach_, goal, aperture=aperture)
-    if ways is None:
-        return (yield from transit(world, goal, gripper))
+def travel(world: World, ways: Sequence[Pose], gripper: float) -> Motion:
+    """Pass through ``ways`` and stop at the last; True when it arrived."""
     for pose in ways[:-1]:
         yield from reach(world, pose, gripper, near=0.03, turned=0.5)
-    return (yield from reach(world, goal, gripper, near=0.012, turned=0.12))
+    return (yield from reach(world, ways[-1], gripper, near=0.012, turned=0.12))

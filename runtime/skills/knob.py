@@ -1,0 +1,54 @@
+"""Knobs: pinch the grip of a small part that turns about an upright axis, and twist it."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.skills.contact import Contact, twist_cost
+from runtime.skills.frames import Pose, frame
+from runtime.skills.grasping import TIP
+from runtime.skills.handles import protruding
+from runtime.skills.joints import Articulation
+from runtime.skills.world import World
+
+__all__ = ["twists"]
+
+Array = NDArray[np.float64]
+
+LEANS = (35.0, 25.0, 45.0, 15.0, 0.0, -15.0, -30.0, 55.0)  # degrees of the approach from the axis, along the grip
+TOP = 0.018  # metres of the part below its top that are gripped
+PADS = (0.012, 0.016, 0.008)  # metres of the tips below the top
+BACK = 0.06
+WIDEST = 0.072
+
+
+def twists(world: World, art: Articulation) -> Iterator[Contact]:
+    """Grips across the thinner side of what stands out of the part along its axis."""
+    up = art.axis if art.axis[2] >= 0.0 else -art.axis
+    handle = protruding(world.points([art.body]), up, TOP)
+    if handle.thickness > WIDEST:
+        return
+    yield from sorted(_grips(world, art, handle.thin, handle.long, handle.centre, handle.depth, up), key=_cost)
+
+
+def _grips(
+    world: World, art: Articulation, thin: Array, long: Array, centre: Array, depth: float, up: Array
+) -> Iterator[Contact]:
+    top = art.anchor + ((centre - art.anchor) @ up + 0.5 * depth) * up
+    forward = long if long @ (art.anchor - world.base) >= 0.0 else -long
+    for pad, lean in itertools.product(PADS, LEANS):
+        angle = math.radians(lean)
+        approach = math.sin(angle) * forward - math.cos(angle) * up
+        rotation = frame(approach, thin)
+        position = top - pad * up - TIP * approach
+        cost = twist_cost(world, rotation) + 300 * abs(pad - PADS[0])
+        yield Contact(Pose(position, rotation), -BACK * approach, True, 1.0, cost)
+
+
+def _cost(contact: Contact) -> float:
+    return contact.cost

@@ -9,7 +9,7 @@ from typing import Any
 
 from benchmarks.audit import FALSE
 
-__all__ = ["audit_table", "versions_table"]
+__all__ = ["audit_table", "suites_table", "versions_table"]
 
 KINDS = {
     FALSE: "fact false",
@@ -62,6 +62,24 @@ def audit_table(result: dict[str, Any]) -> str:
     sums = (f"{m[f'{kind}.states']} in {m[f'{kind}.tasks']} tasks" for kind in shown)
     lines.append(_row("all", "", *sums))
     return "\n".join(lines)
+
+
+def suites_table(result: dict[str, Any]) -> str:
+    """The suites whose task could not be audited, then those with a failure."""
+    m = result["metrics"]
+    rows = [row for row in result["rows"] if "crashed" not in row]
+    lines = [_row("suite", "what could not be audited, in its first task"), _row(*["---"] * 2)]
+    for row in rows:
+        lines += [_row(f"`{row['suite']}`", f"{fault['code']}: {fault['message']}") for fault in row["faults"]]
+    lines += ["", _row("suite", "failure in the first initial state of its first task"), _row(*["---"] * 2)]
+    for row in rows:
+        found = "; ".join(f"{KINDS[f['kind']]} `{f['subject']}`" for f in row["failures"])
+        lines += [_row(f"`{row['suite']}`", found)] if found else []
+    total = (
+        f"{m['audited_suites']} of {m['suites']} suites were audited. {m['official_suites']} of them ship initial states; "
+        f"for the others a seeded reset stands; {m['crashed']} trials crashed."
+    )
+    return "\n".join([*lines, "", total])
 
 
 def versions_table(result: dict[str, Any]) -> str:

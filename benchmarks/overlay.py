@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from onto_compiler.problems import OntoError
 __all__ = ["overlay"]
 
 _MARK = ".complete"
+_PROJECT = Path(__file__).resolve().parents[1]
 
 
 def overlay(package: str, version: str, folder: Path) -> Path:
@@ -20,7 +22,8 @@ def overlay(package: str, version: str, folder: Path) -> Path:
 
     It is made where it is not there yet. Raises ``BEN004`` where pip cannot install that version.
     """
-    place = folder / f"{package}-{version}"
+    ours = (str(_PROJECT), sysconfig.get_path("purelib"))
+    place = folder / f"{package}-{version}-{hashlib.sha256(repr(ours).encode()).hexdigest()[:8]}"
     python = place / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     if (place / _MARK).exists():
         return python
@@ -28,6 +31,7 @@ def overlay(package: str, version: str, folder: Path) -> Path:
         f"{package}=={version}",
         *((f"mujoco-core=={version}",) if package == "mujoco" and _split(version) else ()),
     )
+    place.mkdir(parents=True, exist_ok=True)
     for command in (
         [sys.executable, "-m", "venv", "--clear", str(place)],
         [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps", *wanted],
@@ -40,9 +44,9 @@ def overlay(package: str, version: str, folder: Path) -> Path:
             )
     asked = [str(python), "-c", "import sysconfig; print(sysconfig.get_path('purelib'))"]
     theirs = subprocess.run(asked, capture_output=True, text=True, check=True).stdout.strip()  # noqa: S603 - as above
-    # Their own packages come first; a .pth file adds ours behind them, with what ours add in turn.
-    line = f"import site; site.addsitedir({sysconfig.get_path('purelib')!r})\n"
-    (Path(theirs) / "onto_evwm_overlay.pth").write_text(line, encoding="utf-8")
+    # Their own packages come first. A .pth file adds what runs now behind them, and then ours with what ours add.
+    lines = f"{ours[0]}\nimport site; site.addsitedir({ours[1]!r})\n"
+    (Path(theirs) / "onto_evwm_overlay.pth").write_text(lines, encoding="utf-8")
     (place / _MARK).touch()
     return python
 

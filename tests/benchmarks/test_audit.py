@@ -9,7 +9,8 @@ import sys
 import pytest
 
 from benchmarks.audit import FALSE, metrics, rows_of
-from benchmarks.audit_tables import audit_table, versions_table
+from benchmarks.audit_suites import AUDIT_SUITES
+from benchmarks.audit_tables import audit_table, suites_table, versions_table
 from benchmarks.audit_versions import AUDIT_VERSIONS
 from benchmarks.overlay import overlay
 from onto_compiler.problems import OntoError
@@ -74,11 +75,19 @@ def test_versions_are_held_against_the_installed_one():
 
 
 def test_an_environment_that_was_made_is_used_again(tmp_path, monkeypatch):
-    place = tmp_path / "thing-1.0"
-    place.mkdir()
-    (place / ".complete").touch()
-    monkeypatch.setattr(subprocess, "run", lambda *_, **__: pytest.fail("nothing is to be made"))
-    assert overlay("thing", "1.0", tmp_path).is_relative_to(place)
+    commands = []
+
+    def run(command, **_):
+        commands.append(command)
+        return subprocess.CompletedProcess(command, 0, stdout=str(tmp_path))
+
+    monkeypatch.setattr(subprocess, "run", run)
+    made = overlay("thing", "1.0", tmp_path)
+    assert "thing==1.0" in commands[1]
+    assert (tmp_path / "onto_evwm_overlay.pth").read_text().splitlines()[1].startswith("import site")
+    del commands[:]
+    assert overlay("thing", "1.0", tmp_path) == made
+    assert commands == []
 
 
 def test_an_environment_that_cannot_be_made_is_a_problem(tmp_path, monkeypatch):
@@ -86,3 +95,23 @@ def test_an_environment_that_cannot_be_made_is_a_problem(tmp_path, monkeypatch):
     with pytest.raises(OntoError) as caught:
         overlay("thing", "1.0", tmp_path)
     assert [p.code for p in caught.value.problems] == ["BEN004"]
+
+
+def test_suites_that_could_not_be_audited_are_listed_with_the_reason():
+    some = [
+        {"suite": "a", "task": 0, **next(rows_of(task(0, StateAudit(0, (false(-0.01),)))))},
+        {"suite": "b", "task": 0, **next(rows_of(task(0, faults=(Fault("SIM016", "cannot be built"),))))},
+        {"suite": "c", "task": 0, "crashed": "Boom"},
+    ]
+    found = AUDIT_SUITES.metrics(some)
+    assert (found["suites"], found["audited_suites"], found["crashed"]) == (3, 1, 1)
+    text = suites_table({"metrics": found, "rows": some})
+    assert "| `b` | SIM016: cannot be built |" in text
+    assert f"| `a` | fact false `{ON}` |" in text
+
+
+def test_every_suite_but_libero_s_own_is_tried():
+    pytest.importorskip("libero")
+    tried = [trial["suite"] for trial in AUDIT_SUITES.trials(True)]
+    assert len(tried) == len(set(tried)) == 53
+    assert not {"libero_goal", "libero_90"} & set(tried)

@@ -76,8 +76,8 @@ def suites_table(result: dict[str, Any]) -> str:
         found = "; ".join(f"{KINDS[f['kind']]} `{f['subject']}`" for f in row["failures"])
         lines += [_row(f"`{row['suite']}`", found)] if found else []
     total = (
-        f"{m['audited_suites']} of {m['suites']} suites were audited. {m['official_suites']} of them ship initial states; "
-        f"for the others a seeded reset stands; {m['crashed']} trials crashed."
+        f"{m['audited_suites']} of {m['suites']} suites were audited. {m['official_suites']} ship initial states; for "
+        f"the others a seeded reset stands. {m['crashed']} trials crashed."
     )
     return "\n".join([*lines, "", total])
 

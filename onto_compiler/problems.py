@@ -57,10 +57,14 @@ class Problem:
 
 
 class OntoError(Exception):
-    """A fault in what a person gave us; carries every problem that was found, in file order."""
+    """A fault in what a person gave us; carries every problem that was found, in file order.
 
-    def __init__(self, *problems: Problem) -> None:
-        self.problems = tuple(sorted(problems))
+    Given another error, it carries that one's problems: Gymnasium raises a worker's as ``type(error)(error)``.
+    """
+
+    def __init__(self, *problems: Problem | OntoError) -> None:
+        parts = [part.problems if isinstance(part, OntoError) else (part,) for part in problems]
+        self.problems: tuple[Problem, ...] = tuple(sorted(problem for part in parts for problem in part))
         super().__init__("\n".join(f"{p.code}: {p.message}" for p in self.problems))
 
     @classmethod

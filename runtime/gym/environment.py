@@ -20,7 +20,7 @@ from runtime.faults import RunFault
 from runtime.gym.burners import Burners
 from runtime.gym.facts import FactReporter
 from runtime.gym.observations import Observer
-from runtime.gym.starts import Advance, Starts
+from runtime.gym.starts import Advance, Start, Starts
 from runtime.gym.tasks import chosen_task, horizon_of
 from runtime.gym.views import CAMERAS, Convention, Views
 from runtime.simulator.compiled import compile_scene
@@ -122,6 +122,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             "spaces.Space[Observed]", spaces.Dict({**self._views.spaces, **self._observer.spaces})
         )
         self.action_space = spaces.Box(-1.0, 1.0, (ACTION_SIZE,), np.float32)
+        self._start: Start | None = None
         self._seen: Observed = {}
         self._steps = 0
 
@@ -139,9 +140,10 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         ``SIM019`` where it diverges while it settles.
         """
         super().reset(seed=seed)
-        state = self._starts.choose(self.np_random, seed, options or {})
+        start = self._starts.choose(self._start, self.np_random, seed, options or {})
         simulation = self._simulation
-        simulation.reset_to(state)
+        simulation.reset_to(start.state)
+        self._start = start  # now that it was fit
         if self._burners is not None:
             self._burners.reset()
             self._burners.update(simulation.data)
@@ -207,6 +209,6 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             "task": self._ref.name,
             "suite": self._ref.suite,
             "language": self.language,
-            "state_index": self._starts.index,
+            "state_index": -1 if self._start is None else self._start.index,
             "step": self._steps,
         }

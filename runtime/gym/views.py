@@ -22,7 +22,8 @@ Convention: TypeAlias = Literal["opengl", "opencv"]  # robosuite's names for whi
 class Views:
     """Pictures ``CAMERA_image`` of one model, as uint8 (height, width, 3).
 
-    OpenGL is set up at the first picture: an environment that was made before a fork then draws after it.
+    OpenGL is set up at the first picture, since it does not survive a fork: a vector environment makes one environment
+    in its own process, to learn its spaces, and forks the others.
     """
 
     def __init__(
@@ -52,7 +53,7 @@ class Views:
         return {f"{name}_image": np.ascontiguousarray(self.draw(data, name)[:: self._row]) for name in self._cameras}
 
     def draw(self, data: mujoco.MjData, camera: str) -> NDArray[np.uint8]:
-        """One picture, lowest row first; raises ``SIM030`` for an unknown camera, ``SIM031`` where it cannot draw."""
+        """One picture, lowest row first; raises ``SIM030`` for an unknown camera, ``SIM031`` and ``SIM032``."""
         if self._screen is None:
             self._screen = Offscreen(self._model, *self._size, fast=self._fast)
         return self._screen.draw(data, self._screen.camera(camera))

@@ -7,7 +7,10 @@ OpenGL context is made directly, through EGL or OSMesa. Source of what is shown:
 
 from __future__ import annotations
 
+import atexit
 import importlib
+import os
+import weakref
 from types import TracebackType
 from typing import Any, Self
 
@@ -21,17 +24,19 @@ from runtime.simulator.pictures import ADVICE, backend
 __all__ = ["Offscreen"]
 
 _GEOMS = 1000  # robosuite's limit
+_OPEN: weakref.WeakSet[Offscreen] = weakref.WeakSet()
+_DREW_FIRST: list[int] = []  # the process that did, which a forked one inherits
 _FAST_OFF = (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION)
 
 
 class Offscreen:
-    """Draws states of one model. It takes an OpenGL context, so that a process that was forked makes its own."""
+    """Draws states of one model, in an OpenGL context of its own."""
 
     def __init__(self, model: mujoco.MjModel, height: int, width: int, *, fast: bool = False) -> None:
         """Set up drawing and upload the textures, in a second or less.
 
         ``fast`` leaves out shadows, reflections and multisampling; it changes ``model.vis``. Raises ``SIM031`` where
-        this machine cannot draw.
+        this machine cannot draw, and ``SIM032`` in a process that was forked from one that has drawn.
         """
         self._model, self._rect = model, mujoco.MjrRect(0, 0, width, height)
         size = model.vis.global_
@@ -39,6 +44,7 @@ class Offscreen:
         if fast:
             model.vis.quality.offsamples = 0
         self._gl: Any = _context(width, height)
+        _OPEN.add(self)
         self._gl.make_current()
         self._context: Any = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_150)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._context)
@@ -74,6 +80,7 @@ class Offscreen:
 
     def close(self) -> None:
         """Free the OpenGL context; allowed more than once."""
+        _OPEN.discard(self)
         if self._gl is not None:
             self._gl.make_current()
             self._context.free()
@@ -89,8 +96,20 @@ class Offscreen:
         self.close()
 
 
+def _close_all() -> None:
+    for screen in tuple(_OPEN):
+        screen.close()
+
+
 def _context(width: int, height: int) -> Any:  # noqa: ANN401  one class per backend, untyped
     found = backend()
     if found is None:
         raise OntoError.of("SIM031", "no picture can be drawn on this machine, neither by EGL nor by OSMesa", ADVICE)
-    return importlib.import_module(f"mujoco.{found}").GLContext(width, height)
+    if _DREW_FIRST and _DREW_FIRST[0] != os.getpid():
+        message = "OpenGL was in use in the process that this one was forked from, and would hang here"
+        raise OntoError.of("SIM032", message, 'start workers with context="spawn", or draw in the workers only')
+    made = importlib.import_module(f"mujoco.{found}").GLContext(width, height)
+    if not _DREW_FIRST:
+        _DREW_FIRST.append(os.getpid())
+        atexit.register(_close_all)  # after EGL's own bindings, and so before them at exit: it ends there
+    return made

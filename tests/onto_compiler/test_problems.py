@@ -2,7 +2,7 @@
 
 import pytest
 
-from onto_compiler.problems import Problem, render
+from onto_compiler.problems import OntoError, Problem, render
 
 
 def shown(line, column):
@@ -25,3 +25,9 @@ def test_a_longer_line_is_cut_around_the_caret(length, share):
     assert source[len(caret) - 1] == "!"
     assert source.startswith("   | …") == (source[5:79] != line[:74])
     assert source.endswith("…") == (source[6:] != line[-74:])
+
+
+def test_an_error_of_an_error_has_its_problems():
+    inner = OntoError.of("SIM001", "no such entity", "did you mean `b`?")
+    assert type(inner)(inner).problems == inner.problems
+    assert str(OntoError(inner)) == str(inner)

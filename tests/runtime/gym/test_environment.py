@@ -230,8 +230,9 @@ def test_an_environment_that_makes_no_sense_is_refused(options, code):
     ],
 )
 def test_a_reset_that_makes_no_sense_is_refused(env, options, code):
+    env.reset(options={"state_index": 6})
     assert fault(env.unwrapped.reset, options=options).code == code
-    env.reset(options={"state_index": 0})
+    assert env.reset()[1]["state_index"] == 6
 
 
 def test_an_action_that_is_none_is_refused(env):

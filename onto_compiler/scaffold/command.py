@@ -48,9 +48,14 @@ def _run(arguments: argparse.Namespace) -> int:
         if into.exists():
             raise OntoError.of("NEW004", f"`{into}` exists already", "give another file with --into", str(into))
         sentence = name.text.capitalize()
-        text = new_ontology(name, options) if kind == "ontology" else templates.TASK.format(sentence=sentence)
+        new = _laid_out(new_ontology(name, options), into) if kind == "ontology" else ""
+        text = new or templates.TASK.format(sentence=sentence)
     else:
-        text = added(kind, name, into, _read(into) or new_ontology(name, options), options)
+        before = _read(into) or _laid_out(new_ontology(name, options), into)
+        text = added(kind, name, into, before, options)
+        # A file that somebody lays out in another way keeps its ways.
+        if before == _laid_out(before, into):
+            text = _laid_out(text, into)
     _write(into, text)
     sys.stdout.write(f"{into}\n")
     sys.stderr.write(f"wrote the {kind} `{name.snake}`; next: edit it, and run `onto check {into}`\n")
@@ -63,6 +68,18 @@ def _read(path: Path) -> str:
         return path.read_bytes().decode("utf-8-sig") if path.exists() else ""
     except (OSError, UnicodeDecodeError) as error:
         raise OntoError.of("NEW004", f"cannot read `{path}`: {error}", "give a text file in UTF-8", str(path)) from None
+
+
+def _laid_out(text: str, path: Path) -> str:
+    """Turtle as `onto fmt` lays it out; as it is where it holds what `onto fmt` does not know."""
+    from onto_compiler.turtle.layout import format_turtle  # noqa: PLC0415 - `onto --help` stays quick
+
+    try:
+        return format_turtle(text, path)
+    except OntoError as error:
+        if {problem.code for problem in error.problems} != {"FMT001"}:
+            raise
+        return text
 
 
 def _write(path: Path, text: str) -> None:

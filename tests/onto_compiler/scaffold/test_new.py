@@ -7,6 +7,7 @@ import pytest
 
 from onto_compiler.bddl import lift, parse_file
 from onto_compiler.check.tasks import check_all
+from onto_compiler.format_command import FMT
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.scaffold.command import KINDS, NEW
@@ -17,6 +18,12 @@ def new(*words):
     parser = argparse.ArgumentParser()
     NEW.configure(parser)
     return NEW.run(parser.parse_args([str(word) for word in words]))
+
+
+def fmt_of(*words):
+    parser = argparse.ArgumentParser()
+    FMT.configure(parser)
+    return parser.parse_args([str(word) for word in words])
 
 
 @pytest.fixture(autouse=True)
@@ -44,6 +51,7 @@ def test_each_scaffold_passes_alone(kind, folder, capsys):
     report = check_all([file])
     assert report.problems == ()
     assert report.files == (file.resolve(),)
+    assert FMT.run(fmt_of("--check", file)) == 0
 
 
 def test_all_scaffolds_pass_together(folder):
@@ -58,6 +66,7 @@ def test_all_scaffolds_pass_together(folder):
     report = check_all([folder])
     assert report.problems == ()
     assert len(report.files) == 2
+    assert FMT.run(fmt_of("--check", folder)) == 0
     text = Path("kitchen.ttl").read_text(encoding="utf-8")
     prefixes = [line for line in text.splitlines() if line.startswith("@prefix")]
     assert len(prefixes) == len(set(prefixes))

@@ -45,7 +45,7 @@ check: .venv/dev  ## format, lint, types, and the ontology
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/onto check
-	$(BIN)/onto fmt --check ontology
+	$(BIN)/onto fmt --check ontology docs
 	$(BIN)/onto schema --check
 	$(BIN)/python -m benchmarks.tables --check
 

@@ -23,6 +23,7 @@ __all__ = ["check_consistency"]
 _ASSUMED = "urn:onto-evwm:some:"
 _SUBCLASS = RDFS + "subClassOf"
 _SAID_ELSEWHERE = {TYPE.value, _SUBCLASS, OWL + "disjointWith", OWL + "members"}
+_THING = owl("Thing")
 _SCHEMA = (OWL, RDFS, SH)
 _WORDS = {
     _SUBCLASS: "{} is under {}",
@@ -41,7 +42,10 @@ def check_consistency(model: Model) -> Iterator[Finding]:
     """One finding for each class without possible instances, and for each contradiction between given facts."""
     axioms = read_axioms(model.store)
     classes = [quad.subject for quad in model.store.quads_for_pattern(None, TYPE, owl("Class"), None)]
-    suspects = _suspects(model, axioms, {cls for cls in classes if isinstance(cls, NamedNode)})
+    named = {cls for cls in classes if isinstance(cls, NamedNode)}
+    if _THING in axioms.above or _THING in axioms.disjoint:
+        named.add(_THING)  # of everything, one instance is enough: what else there is, is under it
+    suspects = _suspects(model, axioms, named)
     if suspects is None:
         return
     closure = close(axioms, _facts(model, axioms.properties), _instances(suspects))
@@ -49,7 +53,9 @@ def check_consistency(model: Model) -> Iterator[Finding]:
     told: set[frozenset[Fact]] = set()
     for clash in closure.clashes:
         given = closure.given(clash.premises)
-        if all(one[1].value in _SAID_ELSEWHERE and owl("Nothing") not in one for one in given):
+        # Of a class that is disjoint with itself, or with everything, nothing is said elsewhere.
+        pair = len(clash.premises) > 2
+        if pair and all(one[1].value in _SAID_ELSEWHERE and owl("Nothing") not in one for one in given):
             continue
         about = {part.value for fact in given for part in fact if _is_assumed(part)}
         real = tuple(fact for fact in given if not any(map(_is_assumed, fact)))
@@ -116,12 +122,12 @@ def _empty_class(model: Model, cls: NamedNode, given: tuple[Fact, ...]) -> Findi
     return Finding(
         "OWL010",
         "error",
-        f"`{{subject}}` can have no instance: {because}",
+        f"`{{empty}}` can have no instance: {because}",
         "one of these axioms is wrong: correct it, or remove it",
         cls if at is None or at[0] == cls else at[0],
         None if at is None else at[1],
         None if at is None else at[2],
-        values=values,
+        values={**values, "empty": cls},
         general=True,
     )
 

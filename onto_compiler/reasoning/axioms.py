@@ -5,7 +5,7 @@ Source: the OWL 2 mapping to RDF graphs, sections 3.2.4 and 3.2.5.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import cast
@@ -105,9 +105,17 @@ def _list(store: Store, head: Term) -> tuple[Term, ...]:
 
 
 def _apart(index: Groups, members: tuple[Term, ...], fact: Fact) -> None:
+    """Hold ``members`` apart; a group of one is held apart from itself, as is each that is named twice."""
     group = frozenset(members)  # shared: a list of n has n²/2 pairs
-    for one in group:
-        index[one].append((group, fact))
+    for one, times in Counter(members).items():
+        if times > 1:
+            index[one].append((frozenset((one,)), fact))
+    if owl("Thing") in group:
+        for one in group - {owl("Thing")}:
+            index[one].append((frozenset((one,)), fact))
+    elif len(group) > 1:
+        for one in group:
+            index[one].append((group, fact))
 
 
 def _classes(store: Store, found: Axioms) -> None:

@@ -98,6 +98,8 @@ class Closure:
             if all(member in self.types[subject] for member in members):
                 self.add((subject, TYPE, whole), *((subject, TYPE, member) for member in members), axiom)
         for group, axiom in axioms.disjoint.get(cls, ()):
+            if len(group) == 1:
+                self.clash(subject, fact, axiom)
             for other in sorted(group & self.types[subject], key=str):
                 if other != cls:
                     self.clash(subject, (subject, TYPE, other), fact, axiom)
@@ -144,6 +146,8 @@ class Closure:
         self.functional(subject, prop, value, fact)
         self.characteristic(subject, prop, value, fact)
         for group, axiom in axioms.disjoint_property.get(prop, ()):
+            if len(group) == 1:
+                self.clash(subject, fact, axiom)
             for other in group - {prop}:
                 if (subject, other, value) in self.premises:
                     self.clash(subject, fact, (subject, other, value), axiom)
@@ -244,5 +248,8 @@ def close(axioms: Axioms, facts: Iterable[Fact], assumed: Mapping[Fact, tuple[Fa
         closure.add(fact, because)
     for fact, premises in (assumed or {}).items():
         closure.add(fact, *premises)
+    for one, groups in axioms.different.items():
+        for axiom in (axiom for group, axiom in groups if len(group) == 1):
+            closure.clash(one, axiom)
     closure.run()
     return closure

@@ -6,9 +6,11 @@ import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import cast
+from urllib.parse import urlsplit
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Store
 
+import ontology
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.model import Model
 from onto_compiler.problems import Problem, Span, near
@@ -103,11 +105,29 @@ def _shown(value: Term | str, source_map: SourceMap) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, NamedNode):
+        if value.value.startswith("file:") and (path := _path_of(value)).is_file():
+            return _named(path)
         for prefix in source_map.declared:
             if value.value.startswith(prefix.namespace) and len(value.value) > len(prefix.namespace):
                 return f"{prefix.name}:{value.value[len(prefix.namespace) :]}"
         return shorten(value.value)
     return value.value if isinstance(value, Literal) else "[]"
+
+
+def _path_of(graph: NamedNode) -> Path:
+    """The file whose triples a graph holds."""
+    from urllib.request import url2pathname  # noqa: PLC0415 - slow to import, and few problems name another file
+
+    return Path(url2pathname(urlsplit(graph.value).path))
+
+
+def _named(path: Path) -> str:
+    """A file as a person would call it: a shipped one by its name, another from the current folder on."""
+    shipped = Path(ontology.__file__).parent
+    for above in (shipped, Path.cwd()):
+        if path.is_relative_to(above):
+            return path.relative_to(above).as_posix()
+    return str(path)
 
 
 def _span(model: Model, finding: Finding, source_map: SourceMap) -> Span:

@@ -47,7 +47,7 @@ def read_bytes(path: Path) -> bytes:
         return path.read_bytes()
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        hint = near(path.name, _neighbours(path)) if not path.exists() else ""
+        hint = _hint(path)
         raise OntoError.of(codes.UNREADABLE, f"the task file cannot be read: {reason}", hint, str(path)) from None
 
 
@@ -174,6 +174,17 @@ def _point(file: str, text: str, position: int) -> Span:
     line = text.count("\n", 0, position) + 1
     column = position - text.rfind("\n", 0, position)
     return Span(file, line, column, line, column + 1)
+
+
+def _hint(path: Path) -> str:
+    """What to do about a file that cannot be read."""
+    if path.is_symlink() and not path.exists():
+        return f"`{path.name}` is a link that leads to no file: correct the link, or give the file itself"
+    if not path.exists():
+        return near(path.name, _neighbours(path)) or "give the path of an existing task file (*.bddl)"
+    if path.is_dir():
+        return "give a task file (*.bddl); `onto check` and `onto compile` take folders too"
+    return "give a file that you may read"
 
 
 def _neighbours(path: Path) -> Sequence[str]:

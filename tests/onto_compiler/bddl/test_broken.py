@@ -160,3 +160,14 @@ def test_a_missing_file_is_reported_with_its_nearest_neighbour(task_file):
 def test_a_folder_is_not_a_task_file(tmp_path):
     with pytest.raises(OntoError, match="BDDL004: the task file cannot be read: is a directory"):
         parse_file(tmp_path)
+
+
+@pytest.mark.parametrize("target", ["loop.bddl", "nothing.bddl"])
+def test_a_link_that_leads_nowhere_is_not_taken_for_a_misspelt_name(tmp_path, target):
+    link = tmp_path / "loop.bddl"
+    link.symlink_to(tmp_path / target)
+    with pytest.raises(OntoError) as caught:
+        parse_file(link)
+    (problem,) = caught.value.problems
+    assert problem.code == "BDDL004"
+    assert problem.hint == "`loop.bddl` is a link that leads to no file: correct the link, or give the file itself"

@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,10 @@ ROOT = Path(__file__).resolve().parents[2]
 HOOKS = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())
 ACTION = yaml.safe_load((ROOT / "action.yml").read_text())
 PAGE = (ROOT / "docs/ci.md").read_text()
+
+
+def git(*words):
+    return subprocess.run(["git", *words], check=True, capture_output=True, text=True).stdout  # noqa: S607 - a fixed program
 
 
 def parsed(line):
@@ -55,11 +60,27 @@ def test_the_action_uses_the_inputs_that_it_declares_and_never_within_a_script()
 
 
 def test_the_documented_workflow_gives_the_action_what_it_takes():
-    blocks = [yaml.safe_load(block) for block in re.findall(r"(?s)```yaml\n(.*?)```", PAGE)]
-    workflow, hooks = blocks
-    step = workflow["jobs"]["check"]["steps"][1]
+    (block,) = re.findall(r"(?s)```yaml\n(.*?)```", PAGE)
+    _, copy, step, _ = yaml.safe_load(block)["jobs"]["check"]["steps"]
+    assert step["uses"] == f"./{copy['with']['path']}"
+    assert copy["with"]["path"].startswith("."), "`onto check .` passes over what is hidden"
     assert set(step["with"]) <= set(ACTION["inputs"])
-    assert {hook["id"] for hook in hooks["repos"][0]["hooks"]} == {hook["id"] for hook in HOOKS}
+
+
+def test_the_documented_script_writes_a_configuration_with_every_hook_at_one_commit(tmp_path):
+    script = next(block for block in re.findall(r"(?s)```sh\n(.*?)```", PAGE) if "pre-commit" in block)
+    copy = tmp_path / "onto-ev-wm"
+    here = tmp_path / "mine"
+    here.mkdir()
+    git("init", "-q", str(copy))
+    (copy / "README.md").write_text("A copy.\n")
+    git("-C", str(copy), "add", ".")
+    git("-C", str(copy), "-c", "user.name=A", "-c", "user.email=a@example.org", "commit", "-q", "-m", "Begin")
+    subprocess.run(["/bin/sh", "-euc", script], cwd=here, check=True)
+    (source,) = yaml.safe_load((here / ".pre-commit-config.yaml").read_text())["repos"]
+    assert source["repo"] == "../onto-ev-wm"
+    assert source["rev"] == git("-C", str(copy), "rev-parse", "HEAD").strip()
+    assert {hook["id"] for hook in source["hooks"]} == {hook["id"] for hook in HOOKS}
 
 
 def test_the_documented_commands_exist():

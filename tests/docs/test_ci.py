@@ -76,6 +76,7 @@ def test_the_documented_script_writes_a_configuration_with_every_hook_at_one_com
     (copy / "README.md").write_text("A copy.\n")
     git("-C", str(copy), "add", ".")
     git("-C", str(copy), "-c", "user.name=A", "-c", "user.email=a@example.org", "commit", "-q", "-m", "Begin")
+    git("-C", str(copy), "update-ref", "refs/remotes/origin/HEAD", "HEAD")  # as a clone has it, too
     subprocess.run(["/bin/sh", "-euc", script], cwd=here, check=True)
     (source,) = yaml.safe_load((here / ".pre-commit-config.yaml").read_text())["repos"]
     assert source["repo"] == "../onto-ev-wm"

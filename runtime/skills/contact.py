@@ -25,10 +25,11 @@ Array = NDArray[np.float64]
 LEAD_SLIDE, LEAD_HINGE, LEAD_TWIST = 0.06, 0.12, 0.5  # how far the gripper's goal is ahead: metres of its way, radians
 OVERSHOOT = 0.05  # metres of the gripper's way beyond the joint's limit, so that it presses
 STEPS = 90
+AWAY = 0.07  # metres; fingers that open then do not touch the part
 BLOCKED = 0.011  # metres that a grip may be short of its place
 STALLED = 14
 PROGRESS = 1e-4  # of the joint's way, metres or radians a step
-RESTING, STILL = 12, 1e-3  # steps at most, and the speed (m/s or rad/s) that counts as none
+RESTING, CALM, STILL = 12, 3, 1e-3  # steps at most and at rest, and the speed (m/s or rad/s) that counts as none
 RELEASE = 5  # steps to open the fingers
 DEEP = 0.016  # metres that the IK's collision model may see the gripper inside what it touches
 SLACK = 0.006  # metres that a pushing gripper must be free to go on
@@ -180,10 +181,12 @@ def _rest(world: World, art: Articulation) -> Generator[Action, None, None]:
     """Hold still where the satisfied side is so narrow that the joint's limit may throw it back out."""
     if not art.narrow:
         return
-    hold = world.eef
+    calm = 0
     for _ in range(RESTING):
-        yield action_towards(world, hold, CLOSED)
-        if abs(art.velocity(world)) < STILL:
+        # No motion rather than a pose to hold: what was pressed together comes apart slowly.
+        yield np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, CLOSED])
+        calm = calm + 1 if abs(art.velocity(world)) < STILL else 0
+        if calm >= CALM:
             return
 
 
@@ -194,8 +197,8 @@ def withdraw(world: World, contact: Contact) -> Generator[Action, None, None]:
         yield from reach(world, world.eef.backed(0.08), OPEN, near=0.02, steps=10)
     else:
         away = contact.approach / np.linalg.norm(contact.approach)
-        yield from reach(world, world.eef.moved(0.03 * away), CLOSED, near=0.012, steps=6)
-        yield from reach(world, world.eef.backed(0.05), OPEN, near=0.02, steps=8)
+        leave = world.eef.backed(0.02)
+        yield from reach(world, leave.moved(AWAY * away), CLOSED, near=0.02, steps=10)
 
 
 def twist_cost(world: World, rotation: Array) -> float:

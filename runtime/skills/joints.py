@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 # How far past the bound a skill goes, so that what comes after does not undo it: metres on a slide, radians on a hinge.
 MARGIN_SLIDE, MARGIN_HINGE = 0.01, 0.15
 NARROW = 0.015  # width of a satisfied side, metres or radians
-_PART = 0.5  # of a satisfied side that is narrower than twice the margin
+_PART, _NARROW_PART = 0.5, 0.1  # of a satisfied side that is narrower than twice the margin, and of a narrow one
 _UNLIMITED = 1e3
 
 
@@ -98,7 +98,8 @@ def articulation(world: World, joint: int, threshold: JointThreshold, *, polarit
     above = threshold.above == polarity
     low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (-_UNLIMITED, _UNLIMITED)
     end = float(high if above else low)
-    margin = min(MARGIN_SLIDE if slides else MARGIN_HINGE, _PART * abs(end - threshold.bound))
+    width = abs(end - threshold.bound)
+    margin = min(MARGIN_SLIDE if slides else MARGIN_HINGE, (_NARROW_PART if width < NARROW else _PART) * width)
     return Articulation(
         joint,
         int(model.jnt_bodyid[joint]),

@@ -100,4 +100,4 @@ def travel(world: World, ways: Sequence[Pose], gripper: float) -> Motion:
     """Pass through ``ways`` and stop at the last; True when it arrived."""
     for pose in ways[:-1]:
         yield from reach(world, pose, gripper, near=0.03, turned=0.5)
-    return (yield from reach(world, ways[-1], gripper, near=0.012, turned=0.12))
+    return (yield from reach(world, ways[-1], gripper, near=0.008, turned=0.1))

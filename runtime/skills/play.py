@@ -1,7 +1,7 @@
 """One episode played by skills under dynamics: look, choose what is unmet, act, and try the next way where it failed.
 
-*Reactive* play takes each decision once, in the running episode. *Look-ahead* play tries the candidates of a decision in
-a fork of the simulation first, and carries out the best of them: the simulator is its world model.
+*Reactive* play takes each decision once, in the running episode. *Look-ahead* play tries the candidates of a decision
+in a fork of the simulation first, and carries out the best of them: the simulator is its world model.
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ class Player:
         return "held" if index not in unmet(self.required, self.grounder.observe(episode.sim.data)) else "unmet"
 
     def _rehearse(self, episode: _Episode, index: int, found: Iterator[Offer], candidates: int) -> Offer | None:
-        """Try offers in a fork; the first that leads to the fact and keeps what held, else the one that came nearest."""
+        """Try offers in a fork; the first that leads to the fact and keeps what held, else what came nearest."""
         fork = Simulation(self.scene, exact=episode.sim.exact)
         start = episode.sim.snapshot()
         best: tuple[float, Offer] | None = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,12 +22,28 @@ from runtime.skills.world import World
 __all__ = ["Transfer", "reachable", "transfer", "transfers"]
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 
 TRIED = 80  # grasps that are checked for reach, spread over the object
+PAIRED = 25  # of those in reach, that are paired with spots
 SPOTS = 6  # the best, that are checked for each grasp
 RELEASES = (0.008, 0.02, 0.035, 0.05, 0.07, 0.09)  # metres above the spot, the lowest that leaves the hand room
 YAWS = (0.0, np.pi / 4, -np.pi / 4, np.pi / 2, -np.pi / 2)
 TILTED = Search(yaws=16, tilts=(0.35, 0.7))
+
+
+class Again(Generic[T]):
+    """An iterator whose items are kept, so that it can be gone through again without being worked out twice."""
+
+    def __init__(self, source: Iterator[T]) -> None:
+        self._source = source
+        self._kept: list[T] = []
+
+    def __iter__(self) -> Iterator[T]:
+        yield from self._kept
+        for item in self._source:
+            self._kept.append(item)
+            yield item
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,10 +67,10 @@ def transfers(
     entity = place_.subject
     body = world.pose(entity)
     for search in (None, TILTED):
-        grasps = grasps_of(world, entity, search)
+        grasps = Again(reachable(world, reach, grasps_of(world, entity, search), tried))
         for yaw in YAWS:
             found = spots(world, entity, place_, yaw, holds)[:SPOTS]
-            for grasp, at in reachable(world, reach, grasps, tried):
+            for grasp, at in islice(grasps, PAIRED):
                 local = grasp.pose.inverse() @ body
                 best = next(_released(reach, at, entity, local, found, grasp.width), None)
                 if best is not None:
@@ -92,9 +109,11 @@ def _released(
 ) -> Iterator[tuple[Spot, float]]:
     """The spots that the object can be brought to with the hand on it, each with how far above it is let go."""
     reach.begin()
+
+    def free(spot: Spot, height: float) -> bool:
+        pose = spot.pose.moved(np.array([0.0, 0.0, height])) @ local.inverse()
+        return reach.solve(pose, at.joints, held=(entity, local), aperture=0.5 * width + 0.002).feasible
+
     for spot in found:
-        for height in RELEASES:
-            pose = spot.pose.moved(np.array([0.0, 0.0, height])) @ local.inverse()
-            if reach.solve(pose, at.joints, held=(entity, local), aperture=0.5 * width + 0.002).feasible:
-                yield spot, height
-                break
+        if free(spot, RELEASES[-1]):  # what cannot be let go from above cannot be lowered either
+            yield spot, next((height for height in RELEASES[:-1] if free(spot, height)), RELEASES[-1])

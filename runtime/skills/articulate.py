@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema
 from runtime.skills import door, drawer, knob
 from runtime.skills.contact import Contact, actuate, reachable
 from runtime.skills.fault import SkillFault
-from runtime.skills.frames import Pose
-from runtime.skills.joints import Articulation, articulations
+from runtime.skills.frames import Pose, nearest_twin, turn
+from runtime.skills.joints import Articulation, access, articulations
 from runtime.skills.motion import Action
 from runtime.skills.reach import Reach
 from runtime.skills.world import World
 
-__all__ = ["JointSkill", "joint_skills"]
+__all__ = ["JointSkill", "access_skills", "joint_skills"]
 
+SAME, SAME_TURN = 0.008, 0.1  # metres, radians: a contact that differs by less is the same again
 KNOB = 0.08  # metres; what turns and is wider is a door
 
 
@@ -42,11 +45,35 @@ class JointSkill:
         raise SkillFault("unreachable", "the opened part cannot be reached from behind")
 
 
-def joint_skills(world: World, reach_: Reach, schema: Schema, fact: Fact) -> Iterator[JointSkill]:
-    """The ways to satisfy a fact about a joint, the best first; none when it speaks of something else or holds."""
-    for art in articulations(world, schema, fact):
-        for contact, ways in reachable(world, reach_, art, _contacts(world, art)):
+def joint_skills(
+    world: World, reach_: Reach, schema: Schema, fact: Fact, tried: Sequence[Pose] = ()
+) -> Iterator[JointSkill]:
+    """The ways to satisfy a fact about a joint, the best first; none when it speaks of something else or holds.
+
+    What is near one of the poses ``tried`` of the gripper at the part is left out.
+    """
+    yield from _skills(world, reach_, articulations(world, schema, fact), tried)
+
+
+def access_skills(
+    world: World, reach_: Reach, schema: Schema, fact: Fact, tried: Sequence[Pose] = ()
+) -> Iterator[JointSkill]:
+    """The ways to open what the place of a fact about an object lies in; none when it is open or cannot be shut."""
+    yield from _skills(world, reach_, access(world, schema, fact), tried)
+
+
+def _skills(world: World, reach_: Reach, joints: Sequence[Articulation], tried: Sequence[Pose]) -> Iterator[JointSkill]:
+    for art in joints:
+        fresh = (c for c in _contacts(world, art) if not any(_alike(c.pose, pose) for pose in tried))
+        for contact, ways in reachable(world, reach_, art, fresh):
             yield JointSkill(art, contact, ways)
+
+
+def _alike(a: Pose, b: Pose) -> bool:
+    return bool(
+        np.linalg.norm(a.position - b.position) < SAME
+        and turn(nearest_twin(a.rotation, b.rotation), b.rotation) < SAME_TURN
+    )
 
 
 def _contacts(world: World, art: Articulation) -> Iterator[Contact]:

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Pose", "axis_angle", "frame", "nearest_twin", "rotation_vector", "turn"]
+__all__ = ["Pose", "axis_angle", "frame", "nearest_twin", "rotation_vector", "turn", "wrapped"]
 
 Array = NDArray[np.float64]
 
@@ -70,3 +70,8 @@ def axis_angle(axis: Array, angle: float) -> Array:
 def turn(start: Array, goal: Array) -> float:
     """Angle (rad) between two rotations."""
     return float(np.linalg.norm(rotation_vector(goal @ start.T)))
+
+
+def wrapped(angle: float) -> float:
+    """The same angle (rad) between minus pi and pi."""
+    return float((angle + np.pi) % (2 * np.pi) - np.pi)

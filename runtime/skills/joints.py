@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -11,11 +10,11 @@ from numpy.typing import NDArray
 
 from onto_compiler.required import Fact
 from onto_compiler.schema import JointThreshold, Schema
-from runtime.proposers.targets import threshold_of
+from runtime.proposers.targets import place_of, threshold_of
 from runtime.skills.frames import Pose, axis_angle
 from runtime.skills.world import World
 
-__all__ = ["Articulation", "articulation", "articulations"]
+__all__ = ["Articulation", "access", "articulation", "articulations"]
 
 Array = NDArray[np.float64]
 
@@ -23,6 +22,7 @@ Array = NDArray[np.float64]
 MARGIN_SLIDE, MARGIN_HINGE = 0.01, 0.15
 NARROW = 0.015  # width of a satisfied side, metres or radians
 _PART, _NARROW_PART = 0.5, 0.1  # of a satisfied side that is narrower than twice the margin, and of a narrow one
+OPENED = "Open"  # the native predicate whose threshold says that an object can be put in
 _UNLIMITED = 1e3
 
 
@@ -113,20 +113,38 @@ def articulation(world: World, joint: int, threshold: JointThreshold, *, polarit
     )
 
 
-def articulations(world: World, schema: Schema, fact: Fact) -> Iterator[Articulation]:
+def articulations(world: World, schema: Schema, fact: Fact) -> list[Articulation]:
     """The joints on the wrong side, the one with the least to go first; none where ``fact`` is of something else.
 
     Where any joint suffices and one is on the right side, there is none either.
     """
     threshold = threshold_of(schema, fact)
+    return [] if threshold is None else _missing(world, fact.native.arguments[0], threshold, polarity=fact.polarity)
+
+
+def access(world: World, schema: Schema, fact: Fact) -> list[Articulation]:
+    """The joints that bar the place that ``fact`` asks an object to be in; one of them has to be opened first.
+
+    A place is barred when its site lies in a drawer, or in a fixture with a door, that does not count as open.
+    """
+    place = place_of(world.index, fact)
+    if place is None or place.site is None or place.parent is None or not (place.contains and fact.polarity):
+        return []
+    category = place.parent.rstrip("0123456789").rstrip("_")  # LIBERO numbers the instances of a category
+    threshold = schema.thresholds.get((category, OPENED))
     if threshold is None:
-        return
+        return []
+    name = place.site if len(world.index.joints(place.site)) else place.parent
+    return _missing(world, name, threshold, polarity=True)
+
+
+def _missing(world: World, name: str, threshold: JointThreshold, *, polarity: bool) -> list[Articulation]:
     model = world.model
     free = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL)
-    moving = [int(j) for j in world.index.joints(fact.native.arguments[0]) if int(model.jnt_type[j]) not in free]
-    found = [articulation(world, joint, threshold, polarity=fact.polarity) for joint in moving]
-    # "Not open" is said of every joint where "open" is said of any.
-    every = threshold.every_joint == fact.polarity
+    moving = [int(j) for j in world.index.joints(name) if int(model.jnt_type[j]) not in free]
+    found = [articulation(world, joint, threshold, polarity=polarity) for joint in moving]
     unmet = [a for a in found if a.sign * (a.start - a.bound) <= 0.0]
-    if every or len(unmet) == len(found):
-        yield from sorted(unmet, key=lambda a: a.left(a.start))
+    # "Not open" is said of every joint where "open" is said of any.
+    if threshold.every_joint != polarity and len(unmet) < len(found):
+        return []
+    return sorted(unmet, key=lambda a: a.left(a.start))

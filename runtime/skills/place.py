@@ -19,7 +19,7 @@ from runtime.skills.pick import Holding
 from runtime.skills.transit import transit
 from runtime.skills.world import World
 
-__all__ = ["Spot", "place", "spots"]
+__all__ = ["Spot", "cost_of", "place", "spots"]
 
 Array = NDArray[np.float64]
 
@@ -33,6 +33,7 @@ AROUND = 0.35
 FLAT = 0.98  # cosine; a site that leans more than this holds what is put along its slope
 SLOPE = (0.0, 0.01, 0.02, 0.03)  # metres up the slope
 LEVEL = 1e-6
+TURN = 0.002  # metres that a radian of turning counts as
 SUNK = 0.001  # metres below where it rests: a contact is then seen
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -45,27 +46,33 @@ class Spot:
     cost: float
 
 
-def spots(world: World, entity: str, target: Place, yaw: float, holds: Callable[[Pose], bool]) -> list[Spot]:
-    """Where ``entity`` comes to rest in ``target`` when it is let go upright and turned by ``yaw``, the best first.
+def cost_of(spot: Spot) -> float:
+    """A key to sort by."""
+    return spot.cost
+
+
+def spots(world: World, target: Place, yaw: float, holds: Callable[[Pose], bool]) -> list[Spot]:
+    """Where an object comes to rest in its ``target`` when it is let go upright and turned by ``yaw``, the best first.
 
     Upright is along the z of the target's site: a rack holds a bottle along its slope. ``holds`` says whether the
     required fact is true with the object at a pose; where it is true nowhere, all spots are given.
     """
+    entity = target.subject
     body = world.pose(entity)
     frame, half = _area(world, target)
     upright = _stood(frame.rotation[:, 2]) @ axis_angle(UP, yaw) @ level(body.rotation)
     under, corner = underside((world.cloud(entity) - body.position) @ body.rotation @ upright.T)
     relief = relief_of(world.surroundings(entity), frame.position, AROUND)
     x, y = (np.arange(-n, n + 1) * CELL for n in (KEPT * half[:2] / CELL).astype(int).clip(0, 4))
-    z = (0.0,) if frame.rotation[2, 2] > FLAT else SLOPE
+    z = (0.0,) if abs(frame.rotation[2, 2]) > FLAT else SLOPE
     found = []
     for offset in itertools.product(x, y, z):
         over = (frame.position + frame.rotation @ np.array(offset))[:2]
         height = relief.drop(under, over + corner)
         if np.isfinite(height):
-            cost = height + 0.35 * float(np.hypot(*offset[:2]))
+            cost = height + 0.35 * float(np.hypot(*offset[:2])) + TURN * abs(yaw)
             found.append(Spot(Pose(np.array([*over, height]), upright), cost))
-    found.sort(key=lambda spot: spot.cost)
+    found.sort(key=cost_of)
     return [spot for spot in found if holds(spot.pose.moved(-SUNK * UP))] or found
 
 

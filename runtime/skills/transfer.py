@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import chain, islice
 from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from runtime.proposers.geometry import align_yaw
 from runtime.proposers.targets import Place
-from runtime.skills.frames import Pose, nearest_twin
+from runtime.skills.frames import Pose, nearest_twin, wrapped
 from runtime.skills.grasping import Grasp, Search
 from runtime.skills.motion import Action
 from runtime.skills.pick import APPROACH, alike, grasps_of, pick
-from runtime.skills.place import Spot, place, spots
+from runtime.skills.place import Spot, cost_of, place, spots
 from runtime.skills.reach import Reach, Reached
 from runtime.skills.world import World
 
@@ -68,13 +69,21 @@ def transfers(
     body = world.pose(entity)
     for search in (None, TILTED):
         grasps = Again(reachable(world, reach, grasps_of(world, entity, search), tried))
-        for yaw in YAWS:
-            found = spots(world, entity, place_, yaw, holds)[:SPOTS]
+        for yaws in _turns(world, place_):
+            found = sorted(chain.from_iterable(spots(world, place_, yaw, holds) for yaw in yaws), key=cost_of)[:SPOTS]
             for grasp, at in islice(grasps, PAIRED):
                 local = grasp.pose.inverse() @ body
                 best = next(_released(reach, at, entity, local, found, grasp.width), None)
                 if best is not None:
                     yield Transfer(entity, grasp, *best)
+
+
+def _turns(world: World, place_: Place) -> Iterator[tuple[float, ...]]:
+    """Turns about the vertical (rad) to be tried together: what goes into something is first aligned with its sides."""
+    if place_.site is not None and place_.contains:
+        aligned = align_yaw(world.pose(place_.subject).rotation, world.site_pose(place_.site).rotation)
+        yield tuple(wrapped(aligned + quarter) for quarter in (0.0, np.pi / 2, -np.pi / 2, np.pi))
+    yield from ((yaw,) for yaw in YAWS)
 
 
 def transfer(world: World, plan: Transfer) -> Generator[Action, None, None]:

@@ -103,11 +103,11 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         self._ref = chosen_task(task, suite, index)
         self.horizon = horizon_of(self._ref.suite) if horizon is None else horizon
         self._settle, self._timing = settle, timing
-        drawing = images or render_mode is not None
-        scene = compile_scene(self._ref.bddl, scene_seed, pictures=drawing)
         knowledge = load_knowledge(*ontology)
         required = required_of(self._ref, knowledge)
         self.language = required.language
+        drawing = images or render_mode is not None
+        scene = compile_scene(self._ref.bddl, scene_seed, pictures=drawing)
         self._simulation = Simulation(scene, exact=exact)
         self._starts = Starts(self._ref, self._simulation.flat_state, state_index, advance)
         spec = parse_file(self._ref.bddl)

@@ -194,6 +194,22 @@ def test_only_the_wanted_observables_are_given():
     assert info["task"] == "put_the_bowl_on_the_plate"
 
 
+def test_a_predicate_of_ones_own_is_grounded_and_decides_success():
+    from pathlib import Path
+
+    from runtime.gym.environment import LiberoEnv
+
+    folder = Path(__file__).parents[3] / "docs" / "examples"
+    task = str(folder / "serve_the_cheese.bddl")
+    assert fault(LiberoEnv, task).code == "BDDL003"
+    made = LiberoEnv(task, ontology=[str(folder / "served.ttl")])
+    _, info = made.reset()
+    assert (info["state_index"], info["suite"]) == (0, "")  # the seeded reset, of no suite
+    assert [row["predicate"] for row in info["facts"]] == ["Served"]
+    assert info["success"] is False
+    assert fault(made.reset, options={"state_index": 1}).code == "SIM017"
+
+
 @pytest.mark.parametrize(
     ("options", "code"),
     [

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 pytestmark = pytest.mark.sim
-TASKS = ("libero_goal/put_the_bowl_on_the_stove", "libero_10/2")
+TASKS = ("libero_goal/put_the_bowl_on_the_stove", "libero_10/2", "libero_spatial/4", "libero_object/0", "libero_90/76")
 RELATIVE = "_to_robot0_eef_"
 
 

@@ -1,4 +1,4 @@
-"""The premise of every task under other versions of MuJoCo than the tested one, in the first initial states of each.
+"""The premise of forty tasks under other versions of MuJoCo than the tested one, in the first initial states of each.
 
 Each version runs in an environment of its own, which differs from this one in MuJoCo and in nothing else.
 """
@@ -15,7 +15,6 @@ from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
-from runtime.audit.command import LIBERO
 from runtime.audit.fan_out import Plan, run_audit
 from runtime.audit.interpreter import run_elsewhere
 from runtime.audit.records import Audit, read_audit
@@ -26,14 +25,14 @@ __all__ = ["AUDIT_VERSIONS"]
 SEED = 0
 OTHERS = ("3.4.0", "4.0.0")  # the first with other collisions between boxes, and the newest
 STATES = {True: 5, False: 1}  # states of a task mostly agree: see the audit
-SMALL = ("libero_spatial",)
+SUITES = {True: ("libero_spatial", "libero_goal", "libero_object", "libero_10"), False: ("libero_spatial",)}
 
 
 def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signature
     """Each suite under each version, the installed one first."""
     return [
         {"key": f"{version or 'installed'}/{suite}", "other": version, "suite": suite, "states": STATES[full]}
-        for suite in (LIBERO if full else SMALL)
+        for suite in SUITES[full]
         for version in ("", *OTHERS)
     ]
 
@@ -92,7 +91,7 @@ def _tested(rows: Sequence[Row]) -> str:
 
 AUDIT_VERSIONS = Protocol(
     name="audit_versions",
-    help="the premise of LIBERO's tasks under other versions of MuJoCo than the tested one",
+    help="the premise of the forty tasks of four suites under other versions of MuJoCo than the tested one",
     seeds=(SEED,),
     trials=trials,
     run=run,

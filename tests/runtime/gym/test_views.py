@@ -61,6 +61,7 @@ os.environ["MUJOCO_GL"] = "disabled"
 import mujoco
 import numpy as np
 import gymnasium
+from gymnasium.utils.env_checker import check_env
 shared = {"task": "libero_goal/8", "settle": 2, "render_mode": "rgb_array", "image_size": (48, 64)}
 make = lambda **options: gymnasium.make("runtime.gym:onto/Libero-v0", **shared, **options)
 plain, upright, fast = make(images=True), make(images=True, image_convention="opencv"), make(fast_render=True)
@@ -75,7 +76,44 @@ frames = [env.render().astype(int) for env in (plain, fast)]
 gap = np.abs(frames[0] - frames[1]).mean()
 assert 0 < gap < 12, gap  # shadows are gone, and little else
 assert np.abs(frames[0] - frames[0][::-1]).mean() > 2 * gap
+check_env(fast.unwrapped)
 print("drawn")
+"""
+
+# Named and nested as in lerobot's src/lerobot/envs/libero.py.
+LEROBOT = """
+import gymnasium
+import numpy as np
+from runtime.gym.lerobot import LeRobotView
+from runtime.simulator.assets import named_task
+from runtime.simulator.native import NativeTask
+
+task = "libero_goal/8"
+vector = gymnasium.make_vec("runtime.gym:onto/Libero-v0", num_envs=1, vectorization_mode="sync", task=task, settle=0,
+    images=True, image_size=24, fast_render=True, exact=True, wrappers=[LeRobotView])
+observed, _ = vector.reset(seed=3)
+assert {k: sorted(v) for k, v in observed.items()} == {
+    "pixels": ["image", "image2"], "robot_state": ["eef", "gripper", "joints"]}
+assert sorted(observed["robot_state"]["eef"]) == ["mat", "pos", "quat"]
+assert observed["pixels"]["image"].shape == (1, 24, 24, 3)
+assert vector.call("task_description") == ("Put the bowl on the plate",)
+assert vector.call("_max_episode_steps") == (300,)
+env = vector.envs[0].unwrapped
+with NativeTask.open(named_task(task)) as native:
+    native.reset_to(env._start.state)
+    for action in np.random.default_rng(0).uniform(-1, 1, (5, 7)).astype(np.float32):
+        native.step(action)
+        observed = vector.step(action[None])[0]
+        state = observed["robot_state"]
+        theirs = native.env._get_observations()
+        for part, keys in (("eef", ("pos", "quat")), ("gripper", ("qpos", "qvel"))):
+            for key in keys:
+                assert np.array_equal(state[part][key][0], theirs[f"robot0_{part}_{key}"])
+        for key in ("pos", "vel"):
+            assert np.array_equal(state["joints"][key][0], theirs[f"robot0_joint_{key}"])
+        assert np.array_equal(state["eef"]["mat"][0], native.env.robots[0].controller.ee_ori_mat)
+assert vector.single_observation_space.contains(vector.envs[0].observation(env._seen))
+print("nested")
 """
 
 FLAT = """
@@ -118,6 +156,22 @@ def test_rows_come_as_asked_and_a_fast_picture_shows_the_same_scene():
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_two_hundred_resets_with_pictures_need_no_more_memory():
     assert lines(FLAT)[0] == ["flat"]
+
+
+def test_lerobot_finds_its_own_names_and_values():
+    assert lines(LEROBOT)[0] == ["nested"]
+
+
+def test_lerobot_s_view_wants_pictures_and_a_libero_environment():
+    import gymnasium
+
+    from onto_compiler.problems import OntoError
+    from runtime.gym.lerobot import LeRobotView
+
+    blind = gymnasium.make("runtime.gym:onto/Libero-v0", task="libero_goal/8")
+    for env, said in ((blind, "agentview_image"), (gymnasium.make("CartPole-v1"), "no LIBERO environment")):
+        with pytest.raises(OntoError, match=said):
+            LeRobotView(env)
 
 
 def test_a_machine_that_cannot_draw_says_what_to_install(monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 
 import mujoco
@@ -37,20 +38,17 @@ class Contact:
         self._side = np.zeros(model.ngeom + 1, dtype=np.int8)  # the last stands for -1, a flex contact
         self._side[a] = 1
         self._side[b] = 2
-        pairs = np.stack([np.repeat(a, len(b)), np.tile(b, len(a))], axis=1)
+        self._geoms = a, b
         contype, affinity = model.geom_contype, model.geom_conaffinity
-        left, right = pairs[:, 0], pairs[:, 1]
-        collide = ((contype[left] & affinity[right]) | (contype[right] & affinity[left])) != 0
-        self._pairs: NDArray[np.intp] = pairs[collide]
+        collide = ((contype[a][:, None] & affinity[b]) | (contype[b] & affinity[a][:, None])) != 0
         self.sides = (np.flatnonzero(self._side[:-1] == 1), np.flatnonzero(self._side[:-1] == 2))
         bounds = model.geom_rbound
-        radii = bounds[self._pairs].sum(axis=1)
-        unbounded = (bounds[self._pairs] == 0.0).any(axis=1)  # MuJoCo gives a plane no radius
-        self._reach = np.where(unbounded, np.inf, radii)
+        radii = np.where(bounds == 0.0, np.inf, bounds)  # MuJoCo gives a plane no radius
+        self._reach: NDArray[np.float64] = np.where(collide, radii[a][:, None] + radii[b], -np.inf)
         self._witness = np.zeros(6)
 
-    def __call__(self, data: mujoco.MjData) -> Term:
-        """The term ``contact`` of a forwarded state."""
+    def __call__(self, data: mujoco.MjData, least: float = math.inf) -> Term:
+        """The term ``contact`` of a forwarded state; where its margin is above ``least``, any margin that is, too."""
         if data.ncon:
             contact = data.contact
             sides = self._side[contact.geom]
@@ -58,20 +56,32 @@ class Contact:
             if hits.size:
                 depth = float((contact.includemargin[hits] - contact.dist[hits]).max())
                 return Term("contact", max(depth, TINY), True, self._label)
-        return Term("contact", min(-self._gap(data), -TINY), False, self._label)
+        return Term("contact", min(-self._gap(data, -least), -TINY), False, self._label)
 
-    def _gap(self, data: mujoco.MjData) -> float:
-        """Smallest distance (metres) over the pairs, nearest bounding spheres first, until none can be nearer."""
+    def _gap(self, data: mujoco.MjData, enough: float = 0.0) -> float:
+        """Smallest distance (metres) over the pairs, nearest bounding spheres first, until none can be nearer.
+
+        A distance below ``enough`` will do, whichever it is.
+        """
+        a, b = self._geoms
         centres = data.geom_xpos
-        offsets = centres[self._pairs[:, 0]] - centres[self._pairs[:, 1]]
-        lower = np.sqrt(np.einsum("ij,ij->i", offsets, offsets)) - self._reach
+        offsets = centres[a][:, None, :] - centres[b]
+        lower = (np.sqrt(np.einsum("ijk,ijk->ij", offsets, offsets)) - self._reach).ravel()
         best = FAR
+        if enough > 0.0 and lower.size:
+            best = self._of_pair(data, int(np.argmin(lower)), FAR)
+        if best < enough:
+            return best
         for index in np.argsort(lower):
-            if lower[index] >= best:
+            if lower[index] >= best or best < enough:
                 break
-            first, second = self._pairs[index]
-            best = min(best, self._distance(data, int(first), int(second), best))
+            best = min(best, self._of_pair(data, int(index), best))
         return best
+
+    def _of_pair(self, data: mujoco.MjData, index: int, limit: float) -> float:
+        a, b = self._geoms
+        first, second = divmod(index, len(b))
+        return self._distance(data, int(a[first]), int(b[second]), limit)
 
     def _distance(self, data: mujoco.MjData, first: int, second: int, limit: float) -> float:
         """Distance of two geoms, or ``limit`` when it is larger.

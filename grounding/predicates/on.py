@@ -40,9 +40,9 @@ def on_object(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: A
         above, below = data.xpos[upper], data.xpos[lower]
         height = float(above[2] - below[2])
         near = float(NEAR - np.linalg.norm(below[:2] - above[:2]))
-        return (Term("height", height, height >= 0.0), contact(data), Term("xy", near, near > 0.0))
+        return (Term("height", height, height >= 0.0), Term("xy", near, near > 0.0))
 
-    return Grounding(terms, all_of, Disc(upper, lower, NEAR, contact))
+    return Grounding(terms, all_of, Disc(upper, lower, NEAR, contact), contact)
 
 
 def on_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG001  a factory's signature
@@ -66,8 +66,7 @@ def on_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG
             ("height", z - floor),
             ("ceiling", ceiling - z),
         )
-        inside = tuple(Term(term, margin, margin > 0.0) for term, margin in box)
-        return (*inside, contact(data)) if contact else inside
+        return tuple(Term(term, margin, margin > 0.0) for term, margin in box)
 
     x, y, _ = half.tolist()
-    return Grounding(terms, all_of, Box(body, site, (-x, -y, floor), (x, y, ceiling), contact))
+    return Grounding(terms, all_of, Box(body, site, (-x, -y, floor), (x, y, ceiling), contact), contact)

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import mujoco
 
 from grounding.observation import Evidence
 from grounding.plans import Plan
+
+if TYPE_CHECKING:
+    from grounding.predicates.contact import Contact
 
 __all__ = ["Grounding", "Term", "all_of", "any_of"]
 
@@ -30,18 +34,31 @@ class Term:
 
 @dataclass(frozen=True, slots=True)
 class Grounding:
-    """One fact's predicate on one scene, ids resolved: call it for :class:`Evidence`, ``terms`` for the breakdown.
+    """One fact's predicate on one scene, ids resolved: call it for :class:`Evidence`, :meth:`terms` for the breakdown.
 
-    ``plan`` says the same conditions in numbers, for who only wants the truth; None where it cannot.
+    ``contact`` is one more condition, the last. ``plan`` says the same conditions in numbers, for who only wants the
+    truth; None where it cannot.
     """
 
-    terms: Callable[[mujoco.MjData], Sequence[Term]]
+    conditions: Callable[[mujoco.MjData], Sequence[Term]]
     combine: Callable[[Sequence[Term]], Evidence]
     plan: Plan | None = None
+    contact: Contact | None = None
 
     def __call__(self, data: mujoco.MjData) -> Evidence:
-        """Truth and margin in ``data``, which must be forwarded and belong to the scene's model."""
-        return self.combine(self.terms(data))
+        """Truth and margin in ``data``, which must be forwarded and belong to the scene's model.
+
+        A gap is not measured to the end once it is known to be smaller than what another condition lacks.
+        """
+        conditions = self.conditions(data)
+        if self.contact is None:
+            return self.combine(conditions)
+        return self.combine((*conditions, self.contact(data, min(map(_margin, conditions)))))
+
+    def terms(self, data: mujoco.MjData) -> tuple[Term, ...]:
+        """Every condition with its own margin."""
+        conditions = tuple(self.conditions(data))
+        return conditions if self.contact is None else (*conditions, self.contact(data))
 
 
 def all_of(terms: Sequence[Term]) -> Evidence:

@@ -89,7 +89,11 @@ def test_every_kind_of_grounding_has_a_plan():
 def test_truth_is_what_an_observation_says(cube, ball, slide, turn):
     at = np.array([0, 0, 0.6]) + cube
     data = state(at, at + ball, slide, turn)
-    assert SHARED.truth(data).tolist() == SHARED.observe(data).truth.tolist()
+    observed = SHARED.observe(data)
+    assert SHARED.truth(data).tolist() == observed.truth.tolist()
+    for fact, terms, margin, limit in zip(FACTS, SHARED.terms(data), observed.margin, observed.limit, strict=True):
+        least = (max if fact.native.predicate in {"Open", "Turnon"} else min)(terms, key=lambda term: term.margin)
+        assert (margin, limit) == (least.margin, least.name)
 
 
 @pytest.mark.parametrize("index", range(len(THRESHOLDS)))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from grounding.memory import contact_places
 from runtime.simulator.compiled import CompiledScene
-from runtime.simulator.osc import Addresses, Arm, Control, control_step
+from runtime.simulator.osc import Addresses, Arm, Control, Work, control_step
 from runtime.simulator.touch import sides
 
 __all__ = ["CompiledStepper"]
@@ -42,6 +42,7 @@ class CompiledStepper:
         self._home = scene.home.controller
         self._at = _addresses(scene, data)
         self._arm = _arm(scene)
+        self._work = _work(scene.model)
         self._flat = np.zeros(sum(math.prod(shape) for shape in _SHAPES.values()))
         self._before = self._flat.copy()
         self._control = _views(self._flat)
@@ -65,7 +66,7 @@ class CompiledStepper:
         self._advance(action, last - 1, last)
 
     def _advance(self, action: NDArray[np.float64], first: int, last: int) -> None:
-        control_step(self._at, self._arm, self._control, action, first, last, self._side, self.touched)
+        control_step(self._at, self._arm, self._control, self._work, action, first, last, self._side, self.touched)
 
     def take(self, *, before: bool = False) -> tuple[NDArray[np.float64], dict[str, Any]]:
         """Copy the gripper's current action and the controller's state, now or ``before`` the last step."""
@@ -127,7 +128,6 @@ def _arm(scene: CompiledScene) -> Arm:
         kp=np.array(controller["kp"], dtype=np.float64),
         kd=np.array(controller["kd"], dtype=np.float64),
         posture=np.array(controller["initial_joint"], dtype=np.float64),
-        jacobian=np.zeros((2, 3, model.nv)),
     )
 
 
@@ -142,6 +142,20 @@ def _mass_index(model: mujoco.MjModel, dofs: NDArray[np.int32]) -> NDArray[np.in
                 index[i, place[ancestor]] = index[place[ancestor], i] = address
             address, ancestor = address + 1, int(model.dof_parentid[ancestor])
     return index
+
+
+def _work(model: mujoco.MjModel) -> Work:
+    return Work(
+        site=np.zeros((2, 3, model.nv)),
+        factor=np.zeros((7, 7)),
+        spread=np.zeros((7, 6)),
+        inertia=np.zeros((6, 6)),
+        linear=np.zeros((3, 3)),
+        angular=np.zeros((3, 3)),
+        wrench=np.zeros(6),
+        null=np.zeros(6),
+        posture=np.zeros(7),
+    )
 
 
 def _addresses(scene: CompiledScene, data: mujoco.MjData) -> Addresses:

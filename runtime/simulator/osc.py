@@ -18,7 +18,7 @@ from grounding.jit import compiled
 from runtime.simulator.libmujoco import mj_jac_site, mj_step1, mj_step2
 from runtime.simulator.touch import GRIPPER_SPEED
 
-__all__ = ["Addresses", "Arm", "Control", "control_step", "rotation"]
+__all__ = ["Addresses", "Arm", "Control", "Work", "control_step", "rotation"]
 
 NULL_KP = 10.0  # of the null space's posture task, control_utils.nullspace_torques
 NULL_KV = 2.0 * math.sqrt(NULL_KP)
@@ -62,7 +62,20 @@ class Arm(NamedTuple):
     kp: Floats  # (6,)
     kd: Floats
     posture: Floats  # (7,) joint positions that the null space holds
-    jacobian: Floats  # (2, 3, nv) scratch
+
+
+class Work(NamedTuple):
+    """Where a substep computes; nothing in it outlives one."""
+
+    site: Floats  # (2, 3, nv) Jacobian of the grip site, every joint's
+    factor: Floats  # (7, 7)
+    spread: Floats  # (7, 6)
+    inertia: Floats  # (6, 6)
+    linear: Floats  # (3, 3)
+    angular: Floats  # (3, 3)
+    wrench: Floats  # (6,)
+    null: Floats  # (6,)
+    posture: Floats  # (7,)
 
 
 class Control(NamedTuple):
@@ -104,11 +117,10 @@ def rotation(vector: Floats) -> Floats:
 
 
 @compiled
-def _read(at: Addresses, arm: Arm, control: Control) -> None:
+def _read(at: Addresses, arm: Arm, control: Control, jacobian: Floats) -> None:
     """Copy pose, velocity, Jacobian and mass matrix of the arm: robosuite's ``Controller.update``."""
     control.ee_pos[:] = at.site_pos
     control.ee_ori[:] = at.site_mat.reshape((3, 3))
-    jacobian = arm.jacobian
     mj_jac_site(at.model, at.data, jacobian[0].ctypes.data, jacobian[1].ctypes.data, arm.site)
     for row in range(6):
         line = jacobian[row // 3, row % 3]
@@ -127,24 +139,19 @@ def _read(at: Addresses, arm: Arm, control: Control) -> None:
 
 
 @compiled
-def _dot(a: Floats, b: Floats) -> float:
-    total = 0.0
-    for i in range(a.size):
-        total += a[i] * b[i]
-    return total
-
-
-@compiled
 def _factor(a: Floats) -> None:
-    """Cholesky factor of a symmetric positive definite matrix, in place, in its lower triangle."""
+    """Cholesky factor of a symmetric positive definite matrix, in place, in its lower triangle.
+
+    Its diagonal holds the inverses, since a multiplication is many times as fast as a division.
+    """
     n = a.shape[0]
     for j in range(n):
         for k in range(j):
             for i in range(j, n):
                 a[i, j] -= a[i, k] * a[j, k]
-        root = math.sqrt(a[j, j])
-        for i in range(j, n):
-            a[i, j] /= root
+        a[j, j] = 1.0 / math.sqrt(a[j, j])
+        for i in range(j + 1, n):
+            a[i, j] *= a[j, j]
 
 
 @compiled
@@ -154,11 +161,11 @@ def _solve(factor: Floats, b: Floats) -> None:
     for i in range(n):
         for k in range(i):
             b[i] -= factor[i, k] * b[k]
-        b[i] /= factor[i, i]
+        b[i] *= factor[i, i]
     for i in range(n - 1, -1, -1):
         for k in range(i + 1, n):
             b[i] -= factor[k, i] * b[k]
-        b[i] /= factor[i, i]
+        b[i] *= factor[i, i]
 
 
 @compiled
@@ -170,9 +177,8 @@ def _set_goal(control: Control, action: Floats) -> None:
 
 
 @compiled
-def _wrench(arm: Arm, control: Control) -> Floats:
+def _wrench(arm: Arm, control: Control, wrench: Floats) -> None:
     """The desired force and torque (6,): a spring and a damper towards the goal."""
-    wrench = np.empty(6)
     current, goal = control.ee_ori, control.goal_ori
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -181,41 +187,61 @@ def _wrench(arm: Arm, control: Control) -> Floats:
             turn += current[j, column] * goal[k, column] - current[k, column] * goal[j, column]
         wrench[i] = (control.goal_pos[i] - control.ee_pos[i]) * arm.kp[i] - control.ee_vel[i] * arm.kd[i]
         wrench[3 + i] = 0.5 * turn * arm.kp[3 + i] - control.ee_vel[3 + i] * arm.kd[3 + i]
-    return wrench
 
 
 @compiled
-def _posture(arm: Arm, control: Control) -> Floats:
-    """The joint torques (7,) that pull towards the posture, before they are projected into the null space."""
-    posture = np.zeros(7)
+def _posture(arm: Arm, control: Control, posture: Floats, null: Floats) -> None:
+    """The joint torques (7,) that pull towards the posture, and the acceleration (6,) that they give the gripper.
+
+    The torques are the mass matrix times a joint acceleration, so its inverse is not needed for the second.
+    """
+    posture[:] = 0.0
+    null[:] = 0.0
     for i in range(7):
         pull = NULL_KP * (arm.posture[i] - control.joint_pos[i]) - NULL_KV * control.joint_vel[i]
         for j in range(7):
-            posture[j] += control.mass[j, i] * pull
-    return posture
+            posture[j] += control.mass[i, j] * pull
+        for row in range(6):
+            null[row] += control.jacobian[row, i] * pull
 
 
 @compiled
-def _torques(at: Addresses, arm: Arm, control: Control) -> None:
-    """Operational space control with decoupled position and orientation, and a posture task in the null space."""
-    wrench, posture = _wrench(arm, control), _posture(arm, control)
-    factor = control.mass.copy()
+def _inertia(control: Control, work: Work) -> None:
+    """J M^-1 J^T, the inverse of the operational space inertia: the square of what solves L x = J^T, M being L L^T."""
+    factor, spread, inertia = work.factor, work.spread, work.inertia
+    factor[:] = control.mass
     _factor(factor)
-    spread = np.empty((6, 7))  # rows of J M^-1
-    inertia = np.empty((6, 6))  # J M^-1 J^T, the inverse of the operational space inertia
-    null = np.empty(6)
-    for row in range(6):
-        spread[row] = control.jacobian[row]
-        _solve(factor, spread[row])
-        null[row] = _dot(spread[row], posture)
-        for column in range(row + 1):
-            inertia[row, column] = inertia[column, row] = _dot(spread[row], control.jacobian[column])
-    linear, angular = inertia[:3, :3].copy(), inertia[3:, 3:].copy()
-    _factor(linear)
-    _factor(angular)
+    for i in range(7):
+        for row in range(6):
+            spread[i, row] = control.jacobian[row, i]
+        for k in range(i):
+            for row in range(6):
+                spread[i, row] -= factor[i, k] * spread[k, row]
+        for row in range(6):
+            spread[i, row] *= factor[i, i]
+    inertia[:] = 0.0
+    for i in range(7):
+        for row in range(6):
+            for column in range(6):
+                inertia[row, column] += spread[i, row] * spread[i, column]
+
+
+@compiled
+def _torques(at: Addresses, arm: Arm, control: Control, work: Work) -> None:
+    """Operational space control with decoupled position and orientation, and a posture task in the null space."""
+    wrench, posture, null, inertia = work.wrench, work.posture, work.null, work.inertia
+    _wrench(arm, control, wrench)
+    _posture(arm, control, posture, null)
+    _inertia(control, work)
+    for row in range(3):
+        for column in range(3):
+            work.linear[row, column] = inertia[row, column]
+            work.angular[row, column] = inertia[3 + row, 3 + column]
+    _factor(work.linear)
+    _factor(work.angular)
     _factor(inertia)
-    _solve(linear, wrench[:3])
-    _solve(angular, wrench[3:])
+    _solve(work.linear, wrench[:3])
+    _solve(work.angular, wrench[3:])
     _solve(inertia, null)
     for j in range(7):
         total = posture[j] + at.bias[arm.dof[j]]
@@ -248,6 +274,7 @@ def control_step(
     at: Addresses,
     arm: Arm,
     control: Control,
+    work: Work,
     action: Floats,
     first: int,
     last: int,
@@ -265,10 +292,10 @@ def control_step(
         if side.size:
             _touch(at, side, touched)
         if substep > 0 or control.fresh[0] != 0.0:
-            _read(at, arm, control)
+            _read(at, arm, control, work.site)
         if substep == 0:
             _set_goal(control, clipped)
-        _torques(at, arm, control)
+        _torques(at, arm, control, work)
         _apply(at, arm, control, clipped[6])
         mj_step2(at.model, at.data)
     control.fresh[0] = 1.0

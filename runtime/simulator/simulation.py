@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
@@ -187,7 +188,7 @@ class Simulation:
 
     def _finite(self) -> bool:
         # A sum is not finite where a term is not; it can only overflow in a state that has diverged.
-        return bool(np.isfinite(self.data.qpos.sum() + self.data.qvel.sum()))
+        return math.isfinite(self.data.qpos.sum() + self.data.qvel.sum())
 
     def _snapshot(
         self, integration: NDArray[np.float64], gripper: NDArray[np.float64], controller: Mapping[str, Any]

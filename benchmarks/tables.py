@@ -1,4 +1,4 @@
-"""Tables in README.md and docs/results.md, made from ``results/*.json``; with ``--check`` they are only compared.
+"""Tables in README.md and pages of docs/, made from ``results/*.json``; with ``--check`` they are only compared.
 
 A table stands between ``<!-- table: NAME -->`` and ``<!-- end -->``; NAME is a function of :data:`TABLES`.
 """
@@ -12,6 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from benchmarks.audit_tables import audit_table
 from benchmarks.bddl import CORPORA
 from benchmarks.grounding import KINDS
 from benchmarks.results import RESULTS, read_result
@@ -20,7 +21,7 @@ from benchmarks.state_repair import METHODS, SUITES
 __all__ = ["TABLES", "fill", "main"]
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = ("README.md", "docs/results.md")
+PAGES = ("README.md", "docs/audit.md", "docs/results.md")
 _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w.-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -84,6 +85,11 @@ def state_repair(result: dict[str, Any]) -> str:
         f"{premises or 'none'}."
     )
     return "\n".join([*lines, "", note, "", _origin(result)])
+
+
+def audit(result: dict[str, Any]) -> str:
+    """See :func:`benchmarks.audit_tables.audit_table`."""
+    return f"{audit_table(result)}\n\n{_origin(result)}"
 
 
 def check(result: dict[str, Any]) -> str:
@@ -244,6 +250,7 @@ def validator(result: dict[str, Any]) -> str:
 
 
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
+    "audit": audit,
     "bddl": bddl,
     "check": check,
     "compiler": compiler,

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Generator
-from dataclasses import dataclass
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,8 @@ __all__ = ["Spot", "cost_of", "place", "spots"]
 
 Array = NDArray[np.float64]
 
+UP = np.array([0.0, 0.0, 1.0])
+
 SLIPPED = 0.06  # metres that it may move in the fingers
 OPENING = 6  # steps
 RETREAT = 0.10
@@ -30,20 +32,34 @@ HOVER = 0.05  # metres above the place, from where it is lowered
 NEAR = 0.028  # metres between the origins of two objects that count as one on the other
 KEPT = 0.8  # of a region's half extent that origins are placed in
 AROUND = 0.35
+ENTERED = 12  # spots behind an opening, that are looked at
+OUTSIDE = 0.18  # metres from a place behind an opening to where the hand stands before it
+LIFTED = 0.01  # metres above the place, on the way in and out
+SIDES = tuple(np.array([np.cos(a), np.sin(a), 0.0]) for a in np.arange(8) * np.pi / 4)
 FLAT = 0.98  # cosine; a site that leans more than this holds what is put along its slope
 SLOPE = (0.0, 0.01, 0.02, 0.03)  # metres up the slope
 LEVEL = 1e-6
+MOST = 6  # cells from the middle
+OFF_CENTRE = 0.35  # metres of height that a metre from the middle counts as
 TURN = 0.002  # metres that a radian of turning counts as
 SUNK = 0.001  # metres below where it rests: a contact is then seen
-UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spot:
-    """A pose at which the object rests, and a ``cost``: its height, and its distance from the middle."""
+    """A pose at which the object rests, and a ``cost``: its height, and its distance from the middle.
+
+    It is brought there from the direction ``entry`` (3,): from above, or through an opening at the side.
+    """
 
     pose: Pose
     cost: float
+    entry: Array = field(default_factory=UP.copy)
+
+    @property
+    def before(self) -> Array:
+        """The offset (3,) from which it is brought to its place."""
+        return HOVER * UP if self.entry[2] > FLAT else OUTSIDE * self.entry + LIFTED * UP
 
 
 def cost_of(spot: Spot) -> float:
@@ -55,25 +71,64 @@ def spots(world: World, target: Place, yaw: float, holds: Callable[[Pose], bool]
     """Where an object comes to rest in its ``target`` when it is let go upright and turned by ``yaw``, the best first.
 
     Upright is along the z of the target's site: a rack holds a bottle along its slope. ``holds`` says whether the
-    required fact is true with the object at a pose; where it is true nowhere, all spots are given.
+    required fact is true with the object at a pose. What has a ceiling is entered from the side. Where the fact is true
+    nowhere, all spots from above are given.
     """
-    entity = target.subject
-    body = world.pose(entity)
     frame, half = _area(world, target)
+    body = world.pose(target.subject)
     upright = _stood(frame.rotation[:, 2]) @ axis_angle(UP, yaw) @ level(body.rotation)
-    under, corner = underside((world.cloud(entity) - body.position) @ body.rotation @ upright.T)
-    relief = relief_of(world.surroundings(entity), frame.position, AROUND)
-    x, y = (np.arange(-n, n + 1) * CELL for n in (KEPT * half[:2] / CELL).astype(int).clip(0, 4))
+    cloud = (world.cloud(target.subject) - body.position) @ body.rotation @ upright.T
+    around = world.surroundings(target.subject)
+    found = _resting(cloud, upright, around, frame, half, TURN * abs(yaw))
+    good = [spot for spot in found if holds(spot.pose.moved(-SUNK * UP))]
+    if good or not target.contains:
+        return good or found
+    top = frame.position[2] + float(np.abs(frame.rotation[2]) @ half)
+    below = _resting(cloud, upright, around[around[:, 2] < top - CELL], frame, half, TURN * abs(yaw))
+    inside = [spot for spot in below if holds(spot.pose.moved(-SUNK * UP))]
+    some = inside[:: len(inside) // ENTERED + 1]
+    near = around[np.abs(around - frame.position).max(axis=1) < AROUND]
+    near = near[near[:, 2] < top]
+    return [entered for spot in some for entered in _entered(spot, cloud, near)] or found
+
+
+def _resting(cloud: Array, upright: Array, around: Array, frame: Pose, half: Array, cost: float) -> list[Spot]:
+    """Spots in the area, by height: where ``cloud``, about the object's origin, comes to lie on ``around``."""
+    under, corner = underside(cloud)
+    relief = relief_of(around, frame.position, AROUND)
+    x, y = (np.arange(-n, n + 1) * CELL for n in (KEPT * half[:2] / CELL).astype(int).clip(0, MOST))
     z = (0.0,) if abs(frame.rotation[2, 2]) > FLAT else SLOPE
     found = []
     for offset in itertools.product(x, y, z):
         over = (frame.position + frame.rotation @ np.array(offset))[:2]
         height = relief.drop(under, over + corner)
         if np.isfinite(height):
-            cost = height + 0.35 * float(np.hypot(*offset[:2])) + TURN * abs(yaw)
-            found.append(Spot(Pose(np.array([*over, height]), upright), cost))
-    found.sort(key=cost_of)
-    return [spot for spot in found if holds(spot.pose.moved(-SUNK * UP))] or found
+            price = cost + height + OFF_CENTRE * float(np.hypot(*offset[:2]))
+            found.append(Spot(Pose(np.array([*over, height]), upright), price))
+    return sorted(found, key=cost_of)
+
+
+def _entered(spot: Spot, cloud: Array, around: Array) -> Iterator[Spot]:
+    """The spot with every side from which the object can be brought in, as a box that sweeps through ``around``."""
+    low, high = cloud.min(axis=0) + spot.pose.position, cloud.max(axis=0) + spot.pose.position
+    for side in SIDES:
+        start = OUTSIDE * np.minimum(side, 0.0)
+        stop = OUTSIDE * np.maximum(side, 0.0)
+        swept = (around > low + start + SUNK) & (around < high + stop - SUNK + LIFTED * UP)
+        hits = around[swept.all(axis=1)]
+        if abs(side[0] * side[1]) > SUNK:  # the swept box of a diagonal is too large: look along the way
+            hits = hits[_along(hits, low, high, side)]
+        hits = hits[hits[:, 2] > low[2] + LIFTED] if len(hits) else hits
+        if not len(hits):
+            yield Spot(spot.pose, spot.cost, side)
+
+
+def _along(points: Array, low: Array, high: Array, side: Array) -> NDArray[np.bool_]:
+    """Which ``points`` (n, 3) the box meets on its way along ``side``."""
+    met = np.zeros(len(points), dtype=np.bool_)
+    for part in np.linspace(0.0, OUTSIDE, 12):
+        met |= ((points > low + part * side) & (points < high + part * side)).all(axis=1)
+    return met
 
 
 def _stood(axis: Array) -> Array:
@@ -99,7 +154,7 @@ def place(world: World, holding: Holding, spot: Spot, release: float) -> Generat
     """
     drop = spot.pose.moved(np.array([0.0, 0.0, release]))
     goal = drop @ holding.local.inverse()
-    yield from transit(world, goal.moved(np.array([0.0, 0.0, HOVER])), CLOSED, carried=holding.entity)
+    yield from transit(world, goal.moved(spot.before), CLOSED, carried=holding.entity)
     # It may have slipped or turned in the fingers.
     slipped = world.eef.inverse() @ world.pose(holding.entity)
     if np.linalg.norm(slipped.position - holding.local.position) > SLIPPED or world.aperture < EMPTY:
@@ -108,4 +163,7 @@ def place(world: World, holding: Holding, spot: Spot, release: float) -> Generat
     goal = goal.moved(np.array([*shift, 0.0]))
     yield from reach(world, goal, CLOSED, near=0.005, speed=0.6, steps=40)
     yield from grip(world, OPEN, OPENING)
-    yield from reach(world, world.eef.backed(RETREAT), OPEN, near=0.02, steps=20)
+    if spot.entry[2] > FLAT:
+        yield from reach(world, world.eef.backed(RETREAT), OPEN, near=0.02, steps=20)
+    else:
+        yield from reach(world, world.eef.moved(spot.before), OPEN, near=0.02, steps=25)

@@ -211,6 +211,6 @@ class Player:
             data.qpos[self.scene.index.qpos_slice(joint)] = np.concatenate([pose.position, quat])
             data.qvel[:] = 0.0
             mujoco.mj_fwdPosition(self.scene.model, data)
-            return bool(self.grounder.observe(data).truth[index])
+            return bool(self.grounder.truth(data)[index])
 
         return holds

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
 from typing import Generic, TypeVar
@@ -16,7 +16,7 @@ from runtime.skills.frames import Pose, nearest_twin, wrapped
 from runtime.skills.grasping import Grasp, Search
 from runtime.skills.motion import Action
 from runtime.skills.pick import APPROACH, alike, grasps_of, pick
-from runtime.skills.place import Spot, cost_of, place, spots
+from runtime.skills.place import UP, Spot, cost_of, place, spots
 from runtime.skills.reach import Reach, Reached
 from runtime.skills.world import World
 
@@ -27,10 +27,13 @@ T = TypeVar("T")
 
 TRIED = 80  # grasps that are checked for reach, spread over the object
 PAIRED = 25  # of those in reach, that are paired with spots
+ENTERED = 40  # spots behind an opening, that are checked for each grasp
 SPOTS = 6  # the best, that are checked for each grasp
 RELEASES = (0.008, 0.02, 0.035, 0.05, 0.07, 0.09)  # metres above the spot, the lowest that leaves the hand room
 YAWS = (0.0, np.pi / 4, -np.pi / 4, np.pi / 2, -np.pi / 2)
-TILTED = Search(yaws=16, tilts=(0.35, 0.7))
+LEANING = 0.6  # at least, of the approach along the way in: the hand stays outside
+LYING = Search(yaws=16, tilts=(0.8, 1.0, 1.2))
+TILTED = Search(yaws=16, tilts=(0.35, 0.7, 1.0))
 
 
 class Again(Generic[T]):
@@ -67,15 +70,23 @@ def transfers(
     """
     entity = place_.subject
     body = world.pose(entity)
-    for search in (None, TILTED):
+    targets = [_spread(chain.from_iterable(spots(world, place_, y, holds) for y in ys)) for ys in _turns(world, place_)]
+    enclosed = all(spot.entry[2] < 0.5 for found in targets for spot in found)
+    for search in (LYING,) if enclosed else (None, TILTED):
         grasps = Again(reachable(world, reach, grasps_of(world, entity, search), tried))
-        for yaws in _turns(world, place_):
-            found = sorted(chain.from_iterable(spots(world, place_, yaw, holds) for yaw in yaws), key=cost_of)[:SPOTS]
+        for found in targets:
             for grasp, at in islice(grasps, PAIRED):
                 local = grasp.pose.inverse() @ body
                 best = next(_released(reach, at, entity, local, found, grasp.width), None)
                 if best is not None:
                     yield Transfer(entity, grasp, *best)
+
+
+def _spread(found: Iterable[Spot]) -> list[Spot]:
+    """The best spots from above; of those through an opening some of every side and depth."""
+    ordered = sorted(found, key=cost_of)
+    above = [spot for spot in ordered if spot.entry[2] > 0.5]
+    return above[:SPOTS] or ordered[:: max(1, len(ordered) // ENTERED)]
 
 
 def _turns(world: World, place_: Place) -> Iterator[tuple[float, ...]]:
@@ -119,10 +130,17 @@ def _released(
     """The spots that the object can be brought to with the hand on it, each with how far above it is let go."""
     reach.begin()
 
-    def free(spot: Spot, height: float) -> bool:
-        pose = spot.pose.moved(np.array([0.0, 0.0, height])) @ local.inverse()
+    def free(spot: Spot, offset: Array) -> bool:
+        pose = spot.pose.moved(offset) @ local.inverse()
         return reach.solve(pose, at.joints, held=(entity, local), aperture=0.5 * width + 0.002).feasible
 
     for spot in found:
-        if free(spot, RELEASES[-1]):  # what cannot be let go from above cannot be lowered either
-            yield spot, next((height for height in RELEASES[:-1] if free(spot, height)), RELEASES[-1])
+        if spot.entry[2] < 0.5:
+            approach = (spot.pose.rotation @ local.inverse().rotation)[:, 2]
+            if approach @ spot.entry > -LEANING:
+                continue
+            low = RELEASES[0] * UP
+            if free(spot, low) and all(free(spot, low + part * spot.before) for part in (0.35, 0.7, 1.0)):
+                yield spot, RELEASES[0]
+        elif free(spot, RELEASES[-1] * UP):  # what cannot be let go from above cannot be lowered either
+            yield spot, next((height for height in RELEASES[:-1] if free(spot, height * UP)), RELEASES[-1])

@@ -35,8 +35,12 @@ def offers(
     fact: Fact,
     holds: Callable[[Pose], bool],
     tried: Sequence[Pose],
+    sharing: int = 1,
 ) -> Iterator[Offer]:
-    """The ways to satisfy ``fact``, the best first; none near one of the grasps ``tried``."""
+    """The ways to satisfy ``fact``, the best first; none near one of the grasps ``tried``.
+
+    ``holds`` says whether the fact is true with its subject at a pose; ``sharing`` facts speak of the same place.
+    """
     place = place_of(world.index, fact)
     if place is None:
         for skill in joint_skills(world, reach, schema, fact):
@@ -46,6 +50,6 @@ def offers(
         goal = world.site_pose(str(place.site)).position[:2]
         for push in slides(world, reach, place.subject, goal):
             yield Offer(lambda w, _, plan=push: slide(w, plan), (), f"slide, tilt {push.tilt:.2f}")  # type: ignore[misc]
-    for plan in transfers(world, reach, place, holds, tried):
+    for plan in transfers(world, reach, place, holds, tried, sharing):
         note = f"grasp cost {plan.grasp.cost:.2f}, let go {1000 * plan.release:.0f} mm above"
         yield Offer(lambda w, _, plan=plan: transfer(w, plan), (plan.grasp.pose,), note)  # type: ignore[misc]

@@ -32,6 +32,7 @@ HOVER = 0.05  # metres above the place, from where it is lowered
 NEAR = 0.028  # metres between the origins of two objects that count as one on the other
 KEPT = 0.8  # of a region's half extent that origins are placed in
 AROUND = 0.35
+GAP = 0.01  # metres between neighbours
 ENTERED = 12  # spots behind an opening, that are looked at
 OUTSIDE = 0.18  # metres from a place behind an opening to where the hand stands before it
 LIFTED = 0.01  # metres above the place, on the way in and out
@@ -67,24 +68,25 @@ def cost_of(spot: Spot) -> float:
     return spot.cost
 
 
-def spots(world: World, target: Place, yaw: float, holds: Callable[[Pose], bool]) -> list[Spot]:
+def spots(world: World, target: Place, yaw: float, holds: Callable[[Pose], bool], sharing: int = 1) -> list[Spot]:
     """Where an object comes to rest in its ``target`` when it is let go upright and turned by ``yaw``, the best first.
 
     Upright is along the z of the target's site: a rack holds a bottle along its slope. ``holds`` says whether the
     required fact is true with the object at a pose. What has a ceiling is entered from the side. Where the fact is true
-    nowhere, all spots from above are given.
+    nowhere, all spots from above are given. ``sharing`` objects of this size have to find room in the target.
     """
     frame, half = _area(world, target)
     body = world.pose(target.subject)
     upright = _stood(frame.rotation[:, 2]) @ axis_angle(UP, yaw) @ level(body.rotation)
     cloud = (world.cloud(target.subject) - body.position) @ body.rotation @ upright.T
     around = world.surroundings(target.subject)
-    found = _resting(cloud, upright, around, frame, half, TURN * abs(yaw))
+    middles = _middles(cloud, frame, half, sharing)
+    found = _resting(cloud, upright, around, frame, half, middles, TURN * abs(yaw))
     good = [spot for spot in found if holds(spot.pose.moved(-SUNK * UP))]
     if good or not target.contains:
         return good or found
     top = frame.position[2] + float(np.abs(frame.rotation[2]) @ half)
-    below = _resting(cloud, upright, around[around[:, 2] < top - CELL], frame, half, TURN * abs(yaw))
+    below = _resting(cloud, upright, around[around[:, 2] < top - CELL], frame, half, middles, TURN * abs(yaw))
     inside = [spot for spot in below if holds(spot.pose.moved(-SUNK * UP))]
     some = inside[:: len(inside) // ENTERED + 1]
     near = around[np.abs(around - frame.position).max(axis=1) < AROUND]
@@ -92,7 +94,9 @@ def spots(world: World, target: Place, yaw: float, holds: Callable[[Pose], bool]
     return [entered for spot in some for entered in _entered(spot, cloud, near)] or found
 
 
-def _resting(cloud: Array, upright: Array, around: Array, frame: Pose, half: Array, cost: float) -> list[Spot]:
+def _resting(
+    cloud: Array, upright: Array, around: Array, frame: Pose, half: Array, middles: Array, cost: float
+) -> list[Spot]:
     """Spots in the area, by height: where ``cloud``, about the object's origin, comes to lie on ``around``."""
     under, corner = underside(cloud)
     relief = relief_of(around, frame.position, AROUND)
@@ -103,9 +107,22 @@ def _resting(cloud: Array, upright: Array, around: Array, frame: Pose, half: Arr
         over = (frame.position + frame.rotation @ np.array(offset))[:2]
         height = relief.drop(under, over + corner)
         if np.isfinite(height):
-            price = cost + height + OFF_CENTRE * float(np.hypot(*offset[:2]))
+            aside = float(np.linalg.norm(middles - offset[:2], axis=1).min())
+            price = cost + height + OFF_CENTRE * aside
             found.append(Spot(Pose(np.array([*over, height]), upright), price))
     return sorted(found, key=cost_of)
+
+
+def _middles(cloud: Array, frame: Pose, half: Array, sharing: int) -> Array:
+    """Where ``sharing`` objects stand side by side in the area, (k, 2): along the side that has most to spare."""
+    if sharing <= 1:
+        return np.zeros((1, 2))
+    size = np.ptp(cloud @ frame.rotation, axis=0)[:2]
+    axis = int(np.argmin(size / half[:2]))
+    pitch = min(size[axis] + GAP, 2 * KEPT * half[axis] / (sharing - 1))
+    middles = np.zeros((sharing, 2))
+    middles[:, axis] = pitch * (np.arange(sharing) - 0.5 * (sharing - 1))
+    return middles
 
 
 def _entered(spot: Spot, cloud: Array, around: Array) -> Iterator[Spot]:

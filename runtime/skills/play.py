@@ -20,6 +20,7 @@ from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import Schema
 from runtime.diagnosis import unmet
 from runtime.faults import RunFault
+from runtime.proposers.targets import slot_of
 from runtime.simulator.compiled import CompiledScene
 from runtime.simulator.simulation import DUMMY_ACTION, Simulation
 from runtime.skills.fault import SkillFault
@@ -194,7 +195,8 @@ class Player:
 
     def _offers(self, world: World, reach_: Reach, index: int, tried: Sequence[Pose]) -> Iterator[Offer]:
         fact = self.required.facts[index]
-        return offers(world, reach_, self.schema, fact, self._holds(world, index), tried)
+        sharing = slot_of(self.required, fact)[1]
+        return offers(world, reach_, self.schema, fact, self._holds(world, index), tried, sharing)
 
     def _holds(self, world: World, index: int) -> Callable[[Pose], bool]:
         """Whether the fact would be true with its first argument at a pose, everything else as it is."""

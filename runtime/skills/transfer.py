@@ -61,16 +61,24 @@ class Transfer:
 
 
 def transfers(
-    world: World, reach: Reach, place_: Place, holds: Callable[[Pose], bool], tried: Sequence[Pose] = ()
+    world: World,
+    reach: Reach,
+    place_: Place,
+    holds: Callable[[Pose], bool],
+    tried: Sequence[Pose] = (),
+    sharing: int = 1,
 ) -> Iterator[Transfer]:
     """What the arm can do to bring ``place_.subject`` to its place, the best first; nothing near a ``tried`` grasp.
 
     Upright grasps come before tilted ones, and the object's present rotation before others about the vertical.
-    ``holds`` says whether the required fact is true with the object at a pose.
+    ``holds`` says whether the required fact is true with the object at a pose; ``sharing`` objects go to the place.
     """
     entity = place_.subject
     body = world.pose(entity)
-    targets = [_spread(chain.from_iterable(spots(world, place_, y, holds) for y in ys)) for ys in _turns(world, place_)]
+    targets = [
+        _spread(chain.from_iterable(spots(world, place_, yaw, holds, sharing) for yaw in yaws))
+        for yaws in _turns(world, place_)
+    ]
     enclosed = all(spot.entry[2] < 0.5 for found in targets for spot in found)
     for search in (LYING,) if enclosed else (None, TILTED):
         grasps = Again(reachable(world, reach, grasps_of(world, entity, search), tried))

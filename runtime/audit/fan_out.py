@@ -41,7 +41,12 @@ def run_audit(refs: Sequence[TaskRef], plan: Plan, jobs: int, tick: Callable[[Ta
     kinds = kinds_of(plan.ontology)
     load_knowledge(*plan.ontology)
     done: dict[TaskRef, TaskAudit] = {}
-    for ref, task in _all(refs, plan, jobs):
+    kept = KeptTasks(plan.folder, plan.ontology, plan.seed)
+    for ref in refs:
+        if (task := _known(ref, plan, kept)) is not None:
+            done[ref] = task
+            tick(task)
+    for ref, task in _all([ref for ref in refs if ref not in done], plan, jobs):
         done[ref] = task
         tick(task)
     declared = {kind.name: {name: v for name, v in asdict(kind).items() if name != "name"} for kind in kinds}
@@ -90,11 +95,17 @@ def _alone(ref: TaskRef, plan: Plan) -> TaskAudit:
     return task
 
 
+def _known(ref: TaskRef, plan: Plan, kept: KeptTasks) -> TaskAudit | None:
+    """The audit of ``ref`` as far as ``plan`` asks for, where all of it was kept."""
+    known = kept.load(ref)
+    if known is None or len(known.states) < min(plan.states or known.available, known.available):
+        return None
+    return replace(known, states=known.states[: plan.states])
+
+
 def _one(ref: TaskRef, plan: Plan) -> TaskAudit:
     kept = KeptTasks(plan.folder, plan.ontology, plan.seed)
     known = kept.load(ref)
-    if known is not None and len(known.states) >= min(plan.states or known.available, known.available):
-        return replace(known, states=known.states[: plan.states])
     before = known.states if known else ()
     task = audit_task(ref, load_knowledge(*plan.ontology), kinds_of(plan.ontology), plan.states, plan.seed, before)
     kept.save(ref, task)

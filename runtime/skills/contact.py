@@ -14,7 +14,7 @@ from runtime.skills.joints import Articulation
 from runtime.skills.motion import CLOSED, OPEN, Action, action_towards, close, grip, reach
 from runtime.skills.reach import OPEN as WIDE
 from runtime.skills.reach import Reach
-from runtime.skills.route import loose, route, travel
+from runtime.skills.route import glide, loose, route, travel
 from runtime.skills.transit import transit
 from runtime.skills.world import World
 
@@ -26,9 +26,13 @@ LEAD_SLIDE, LEAD_HINGE, LEAD_TWIST = 0.06, 0.12, 0.5  # how far the gripper's go
 OVERSHOOT = 0.05  # metres of the gripper's way beyond the joint's limit, so that it presses
 STEPS = 90
 AWAY = 0.07  # metres; fingers that open then do not touch the part
+EARLY = 0.022  # metres before the end of the way
+ASIDE = 0.006  # metres beside the way
+LETTING_GO = 0.3  # seconds, in which a heavy knob turns on
 BLOCKED = 0.011  # metres that a grip may be short of its place
 STALLED = 14
 PROGRESS = 1e-4  # of the joint's way, metres or radians a step
+BACK_GAIN = 20.0  # of an action, per radian
 RESTING, CALM, STILL = 12, 3, 1e-3  # steps at most and at rest, and the speed (m/s or rad/s) that counts as none
 RELEASE = 5  # steps to open the fingers
 DEEP = 0.016  # metres that the IK's collision model may see the gripper inside what it touches
@@ -41,7 +45,7 @@ class Contact:
 
     ``grips`` closes the fingers on the part, otherwise closed fingers push. ``follows`` is the share of the part's turn
     that the gripper takes part in. ``until`` is where the joint is let go before it is at its goal, for another contact
-    to go on.
+    to go on. ``slim`` says that what is gripped leaves the open fingers so much room that they may close on the way.
     """
 
     pose: Pose
@@ -50,6 +54,7 @@ class Contact:
     follows: float
     cost: float
     until: float | None = None
+    slim: bool = False
 
     @property
     def before(self) -> Pose:
@@ -131,11 +136,16 @@ def actuate(
     Raises :class:`SkillFault` where that failed.
     """
     fingers = OPEN if contact.grips else CLOSED
-    arrived = travel(world, ways, fingers) if ways else transit(world, contact.before, fingers)
+    arrived = (
+        travel(world, ways, fingers, near=0.012 if contact.grips else 0.008)
+        if ways
+        else transit(world, contact.before, fingers)
+    )
     if not (yield from arrived):
         raise SkillFault("unreachable", "the gripper did not come to where the part is to be touched")
     if contact.grips:
-        yield from reach(world, contact.pose, OPEN, near=0.004, speed=0.8, steps=30)
+        yield from glide(world, contact.pose, OPEN, near=0.004, turned=0.06, until=lambda: _closing(world, contact))
+        yield from glide(world, contact.pose, CLOSED, near=0.004, turned=0.06, most=6)
         short = float(np.linalg.norm(world.eef.position - contact.pose.position))
         if short > BLOCKED:
             yield from withdraw(world, contact)
@@ -151,6 +161,13 @@ def actuate(
         raise SkillFault("missed", f"the joint stands at {art.position(world):.4f}, its bound is {art.bound:.4f}")
 
 
+def _closing(world: World, contact: Contact) -> bool:
+    """Whether the fingers can begin to close on the way: they need some steps for it, and are wide open still."""
+    left = contact.pose.position - world.eef.position
+    ahead = float(left @ contact.pose.rotation[:, 2])
+    return contact.slim and ahead < EARLY and float(np.linalg.norm(left)) < np.hypot(ahead, ASIDE)
+
+
 def drive(world: World, art: Articulation, contact: Contact) -> Generator[Action, None, bool]:
     """Follow the joint with the gripper a little ahead of it; True when the goal, or at least the bound, is passed."""
     start = art.position(world)
@@ -163,8 +180,8 @@ def drive(world: World, art: Articulation, contact: Contact) -> Generator[Action
     for _ in range(STEPS):
         now = art.position(world)
         left = art.sign * (aim - now)
-        if left <= 0.0:
-            yield from _rest(world, art)
+        if left <= 0.0 or (not art.narrow and art.sign * (aim - art.coasting(world, LETTING_GO)) <= 0.0):
+            yield from _rest(world, art, contact)
             break
         idle = 0 if left < best - PROGRESS else idle + 1
         best = min(best, left)
@@ -174,17 +191,22 @@ def drive(world: World, art: Articulation, contact: Contact) -> Generator[Action
         ahead = min(ahead, beyond) if art.sign > 0 else max(ahead, beyond)
         goal = target(art, contact, start, ahead)
         yield action_towards(world, goal, CLOSED)
-    return art.sign * (art.position(world) - (art.bound if contact.until is None else aim)) > 0.0
+    return art.sign * (art.coasting(world, LETTING_GO) - (art.bound if contact.until is None else aim)) > 0.0
 
 
-def _rest(world: World, art: Articulation) -> Generator[Action, None, None]:
-    """Hold still where the satisfied side is so narrow that the joint's limit may throw it back out."""
+def _rest(world: World, art: Articulation, contact: Contact) -> Generator[Action, None, None]:
+    """Wait where the satisfied side is so narrow that the joint's limit may throw it back out.
+
+    A joint that is held is turned back from its limit into the middle of that side; what was pushed comes apart slowly.
+    """
     if not art.narrow:
         return
-    calm = 0
+    middle, calm = 0.5 * (art.bound + art.end), 0
     for _ in range(RESTING):
-        # No motion rather than a pose to hold: what was pressed together comes apart slowly.
-        yield np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, CLOSED])
+        action = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, CLOSED])
+        if contact.grips and not art.slides:
+            action[3:6] = np.clip(BACK_GAIN * (middle - art.position(world)), -1.0, 1.0) * art.axis
+        yield action
         calm = calm + 1 if abs(art.velocity(world)) < STILL else 0
         if calm >= CALM:
             return
@@ -194,7 +216,7 @@ def withdraw(world: World, contact: Contact) -> Generator[Action, None, None]:
     """Let go, and leave the part without touching it again."""
     if contact.grips:
         yield from grip(world, OPEN, RELEASE)
-        yield from reach(world, world.eef.backed(0.08), OPEN, near=0.02, steps=10)
+        yield from reach(world, world.eef.backed(0.07), OPEN, near=0.02, steps=10)
     else:
         away = contact.approach / np.linalg.norm(contact.approach)
         leave = world.eef.backed(0.02)

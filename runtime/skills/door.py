@@ -29,7 +29,7 @@ CLEAR = 0.04
 LEVELS = (45.0, 30.0, 60.0, 15.0)  # degrees that the hand is raised above the handle's own direction
 AJAR = (0.5, 0.6, 0.4, 0.8)  # radians: wide enough for the fingers to reach behind the leaf
 PAD = 0.010  # metres of the tips beyond the middle of what they grip
-BACK = 0.07
+BACK = 0.05
 THICKEST = 0.07
 BAND = 0.012  # metres on either side of the finger that count as in its way
 

@@ -31,7 +31,8 @@ PAD = 0.010  # metres of the tips beyond the middle of what they grip
 SIDE, FLAT = 0.0245, 0.0145  # half widths of the closed fingers: closing axis, lateral axis
 BELOW = 0.016  # metres of the pushing tips below the handle's middle
 CLEAR = 0.03
-BACK = 0.07
+BACK = 0.05
+SLIM = 0.03  # metres
 THICKEST = 0.07
 
 
@@ -57,7 +58,8 @@ def pulls(world: World, art: Articulation) -> Iterator[Contact]:
         rotation = frame(approach, handle.thin) @ axis_angle(np.array([0.0, 0.0, 1.0]), math.radians(roll))
         position = handle.centre + along * handle.long - (TIP - PAD) * approach
         cost = twist_cost(world, rotation) + 100 * abs(along)
-        yield Contact(Pose(position, rotation), -BACK * approach, True, 1.0, cost)
+        slim = roll == 0.0 and handle.thickness < SLIM
+        yield Contact(Pose(position, rotation), -BACK * approach, True, 1.0, cost, slim=slim)
 
 
 def pushes(world: World, art: Articulation) -> Iterator[Contact]:

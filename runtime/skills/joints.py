@@ -19,9 +19,10 @@ __all__ = ["Articulation", "access", "articulation", "articulations"]
 Array = NDArray[np.float64]
 
 # How far past the bound a skill goes, so that what comes after does not undo it: metres on a slide, radians on a hinge.
-MARGIN_SLIDE, MARGIN_HINGE = 0.01, 0.15
+MARGIN_SLIDE, MARGIN_HINGE = 0.006, 0.08
 NARROW = 0.015  # width of a satisfied side, metres or radians
 _PART, _NARROW_PART = 0.5, 0.1  # of a satisfied side that is narrower than twice the margin, and of a narrow one
+COASTS = 0.5  # damping times duration over inertia, below which a joint keeps most of its speed
 OPENED = "Open"  # the native predicate whose threshold says that an object can be put in
 _UNLIMITED = 1e3
 
@@ -52,6 +53,15 @@ class Articulation:
     def position(self, world: World) -> float:
         """The joint's position now."""
         return float(world.data.qpos[self.address(world)])
+
+    def coasting(self, world: World, seconds: float) -> float:
+        """Where the joint will be after so long if it is left alone, by its inertia and damping.
+
+        What is damped strongly stops with the hand.
+        """
+        dof = int(world.model.jnt_dofadr[self.joint])
+        decay = float(world.model.dof_damping[dof] / max(world.model.dof_M0[dof], 1e-9))
+        return self.position(world) + (self.velocity(world) * seconds if decay * seconds < COASTS else 0.0)
 
     @property
     def narrow(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from grounding.scenes import Scene
 from grounding.sim import SimGrounder
 from onto_compiler.knowledge import Knowledge
-from onto_compiler.problems import OntoError
+from onto_compiler.problems import OntoError, clipped
 from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import Schema
 from runtime.audit.kinds import Kind
@@ -27,9 +28,11 @@ from runtime.simulator.compiled import compile_scene
 from runtime.simulator.simulation import Simulation
 from runtime.trace.narrate import short_name
 
-__all__ = ["TaskAuditor", "audit_task"]
+__all__ = ["TaskAuditor", "audit_task", "plain"]
 
 DIGITS = 6  # of a reading: micrometres and microradians
+LONGEST = 240  # characters of a fault
+_INSTALLED = re.compile(r"""[^\s`'"]*[/\\](?:site|dist)-packages[/\\]""")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -150,7 +153,12 @@ def _groundable(index: Scene, facts: Sequence[Fact], schema: Schema) -> tuple[tu
 
 
 def _faults(error: OntoError) -> tuple[Fault, ...]:
-    return tuple(Fault(problem.code, problem.message) for problem in error.problems)
+    return tuple(Fault(problem.code, plain(problem.message)) for problem in error.problems)
+
+
+def plain(message: str) -> str:
+    """``message`` on one line of bounded length, without where packages are installed: records are compared."""
+    return clipped(_INSTALLED.sub("", " ".join(message.split())), LONGEST)
 
 
 def _kept(readings: Mapping[str, Sequence[Reading]]) -> dict[str, dict[str, float | None]]:

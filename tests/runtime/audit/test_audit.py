@@ -71,3 +71,13 @@ def test_a_task_without_a_scene_is_a_finding(tmp_path, capsys):
     out = capsys.readouterr().out
     assert "no_such" in out
     assert "1 tasks with something that could not be audited" in out
+
+
+@pytest.mark.parametrize("quote", ["`", "'", " "])
+def test_a_fault_says_nothing_of_where_packages_are_installed(quote):
+    from runtime.audit.task import LONGEST, plain
+
+    assert plain(f"the file {quote}/home/me/env/lib/site-packages/libero/a.xml{quote}\n is   missing") == (
+        f"the file {quote}libero/a.xml{quote} is missing".replace("  ", " ")
+    )
+    assert len(plain("array " * 1000)) < LONGEST

@@ -158,10 +158,21 @@ def _stood(axis: Array) -> Array:
 
 
 def _area(world: World, target: Place) -> tuple[Pose, Array]:
-    """Frame and half extents of where the object's origin has to be, seen from above."""
-    if target.site is not None:
-        return world.site_pose(target.site), world.site_half(target.site)
-    return Pose(world.pose(str(target.parent)).position, np.eye(3)), np.full(3, NEAR)
+    """Frame and half extents of where the object's origin has to be.
+
+    The z of the frame is vertical where one axis of the site is: a drawer's site has it along another.
+    """
+    if target.site is None:
+        return Pose(world.pose(str(target.parent)).position, np.eye(3)), np.full(3, NEAR)
+    frame, half = world.site_pose(target.site), world.site_half(target.site)
+    axis = int(np.argmax(np.abs(frame.rotation[2])))
+    if abs(frame.rotation[2, axis]) < FLAT:
+        return frame, half
+    order = [(axis + 1) % 3, (axis + 2) % 3, axis]
+    rotation = frame.rotation[:, order]
+    if rotation[2, 2] < 0.0:
+        rotation = rotation * np.array([1.0, -1.0, -1.0])
+    return Pose(frame.position, rotation), half[order]
 
 
 def place(world: World, holding: Holding, spot: Spot, release: float) -> Generator[Action, None, None]:

@@ -91,10 +91,12 @@ def transfers(
 
 
 def _spread(found: Iterable[Spot]) -> list[Spot]:
-    """The best spots from above; of those through an opening some of every side and depth."""
+    """The best spots and some of the others, from above; where there are none, some of every side and depth."""
     ordered = sorted(found, key=cost_of)
     above = [spot for spot in ordered if spot.entry[2] > 0.5]
-    return above[:SPOTS] or ordered[:: max(1, len(ordered) // ENTERED)]
+    if above:
+        return above[:SPOTS] + above[SPOTS :: max(1, len(above) // SPOTS)]
+    return ordered[:: max(1, len(ordered) // ENTERED)]
 
 
 def _turns(world: World, place_: Place) -> Iterator[tuple[float, ...]]:

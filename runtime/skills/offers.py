@@ -43,8 +43,8 @@ def offers(
     """
     place = place_of(world.index, fact)
     if place is None:
-        for skill in joint_skills(world, reach, schema, fact):
-            yield Offer(skill.run, (), "joint")
+        for skill in joint_skills(world, reach, schema, fact, tried):
+            yield Offer(skill.run, (skill.contact.pose,), "joint")
         return
     if lies_flat(world, place):
         goal = world.site_pose(str(place.site)).position[:2]

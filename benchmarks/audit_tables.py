@@ -24,6 +24,7 @@ KINDS = {
     "overlapping_at_start": "overlap at start",
     "sunk_at_start": "sunk at start",
 }
+SUNK = "sunk_at_start"  # common and harmless: only counted
 Task = tuple[str, int, str]
 Row = dict[str, Any]
 
@@ -73,8 +74,10 @@ def suites_table(result: dict[str, Any]) -> str:
         lines += [_row(f"`{row['suite']}`", f"{fault['code']}: {fault['message']}") for fault in row["faults"]]
     lines += ["", _row("suite", "failure in the first initial state of its first task"), _row(*["---"] * 2)]
     for row in rows:
-        found = "; ".join(f"{KINDS[f['kind']]} `{f['subject']}`" for f in row["failures"])
-        lines += [_row(f"`{row['suite']}`", found)] if found else []
+        told = [f"{KINDS[f['kind']]} `{f['subject']}`" for f in row["failures"] if f["kind"] != SUNK]
+        sunk = sum(f["kind"] == SUNK for f in row["failures"])
+        told += [f"{sunk} {KINDS[SUNK]}"] if sunk else []
+        lines += [_row(f"`{row['suite']}`", "; ".join(told))] if told else []
     total = (
         f"{m['audited_suites']} of {m['suites']} suites were audited. {m['official_suites']} ship initial states; for "
         f"the others a seeded reset stands. {m['crashed']} trials crashed."

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import cast
 
-from pyoxigraph import BlankNode, NamedNode
+from pyoxigraph import BlankNode, Literal, NamedNode
 
 from onto_compiler.check.bindings import check_bindings
 from onto_compiler.check.consistency import check_consistency
-from onto_compiler.check.finding import Finding
+from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.hierarchy import check_hierarchy
 from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.prefixes import check_prefixes
@@ -72,7 +73,7 @@ def _shape_findings(model: Model) -> Iterator[Finding]:
     faults: list[ShapeFault] = []
     shapes = with_implications(compile_graph(model.graph, faults))
     for result in validate_graph(model.graph, shapes, faults):
-        yield _finding(result)
+        yield _finding(model, result)
     for fault in faults:
         yield Finding(
             "SHP002",
@@ -85,12 +86,12 @@ def _shape_findings(model: Model) -> Iterator[Finding]:
         )
 
 
-def _finding(result: ShapeResult) -> Finding:
+def _finding(model: Model, result: ShapeResult) -> Finding:
     message = result.message
     if not result.code:
         shape = "a shape" if isinstance(result.shape, BlankNode) else f"the shape `{shorten(result.shape.value)}`"
         message = f"violates {shape}: {message or result.expected}"
-    return Finding(
+    finding = Finding(
         code=result.code or "SHP001",
         severity="error" if result.severity == "Violation" else "warning",
         message=f"`{{subject}}` {message}",
@@ -99,3 +100,14 @@ def _finding(result: ShapeResult) -> Finding:
         predicate=result.path if isinstance(result.path, NamedNode) else None,
         object=result.value if isinstance(result.path, NamedNode) else None,
     )
+    return _of_value(model, result.focus, finding) if isinstance(result.focus, Literal) else finding
+
+
+def _of_value(model: Model, value: Literal, finding: Finding) -> Finding:
+    """The finding about a literal, which is the subject of nothing: it belongs to the first triple that holds it."""
+    holders = (quad for quad in model.written if quad.object == value and quad.graph_name in model.graphs)
+    first = next(holders, None)
+    if first is None:
+        return replace(finding, subject=None)
+    subject = cast("Term", first.subject)
+    return replace(finding, subject=subject, predicate=first.predicate, object=value, values={"subject": value})

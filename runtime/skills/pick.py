@@ -60,12 +60,13 @@ def pick(world: World, entity: str, grasp: Grasp) -> Generator[Action, None, Hol
     yield from reach(world, goal, OPEN, near=0.004, speed=0.7, steps=50)
     if np.linalg.norm(world.eef.position - goal.position) > FAR:
         raise SkillFault("unreachable", f"the gripper did not reach its grasp of `{entity}`")
-    before = world.pose(entity).position
+    point = world.pose(entity).inverse() @ goal  # where it is held: what is held at its end hangs down
+    before = goal.position[2]
     if not (yield from close(world, goal)):
         raise SkillFault("lost", f"the fingers closed beside `{entity}`")
     start = world.eef
     yield from reach(world, start.moved(np.array([0.0, 0.0, LIFT])), CLOSED, near=0.012, steps=20)
-    risen = float(world.pose(entity).position[2] - before[2])
+    risen = float((world.pose(entity) @ point).position[2] - before)
     if risen < KEPT * (world.eef.position[2] - start.position[2]) or world.aperture < EMPTY:
         raise SkillFault("lost", f"`{entity}` was not lifted: it rose {1000 * risen:.0f} mm")
     return Holding(entity, world.eef.inverse() @ world.pose(entity))

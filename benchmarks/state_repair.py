@@ -57,10 +57,11 @@ def _runner(suite: str, task: int) -> EpisodeRunner:
 
 
 def _random_routes(knowledge: Knowledge, rng: np.random.Generator) -> Knowledge:
-    routes = sorted(knowledge.schema.routes)
+    routes = sorted(iri for iri, route in knowledge.schema.routes.items() if route.level == "state")
     shuffled = {
         key: RouteEntry(routes[rng.integers(len(routes))], entry.decision, entry.rule)
         for key, entry in knowledge.tables.routing.items()
+        if key[-1] == "state"
     }
     return Knowledge(knowledge.schema, RuleTables(knowledge.tables.diagnosis, shuffled))
 

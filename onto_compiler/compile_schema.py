@@ -13,7 +13,15 @@ from pyoxigraph import Literal, NamedNode, QuerySolutions, Store
 from onto_compiler.hierarchy import Hierarchy
 from onto_compiler.problems import OntoError
 from onto_compiler.rdf import CORE, OWL, RDF, RDFS, node, prologue
-from onto_compiler.schema import Binding, JointThreshold, PredicateSignature, Route, Schema, local_name
+from onto_compiler.schema import (
+    Binding,
+    JointThreshold,
+    PreconditionRule,
+    PredicateSignature,
+    Route,
+    Schema,
+    local_name,
+)
 from onto_compiler.sources import load_store
 
 __all__ = ["compile_schema", "load_schema", "read_hierarchy"]
@@ -44,6 +52,12 @@ SELECT ?this ?name ?level ?admits ?supports ?next WHERE {
     OPTIONAL { ?this skos:notation ?name } OPTIONAL { ?this core:admits ?admits }
     OPTIONAL { ?this core:supports ?supports } OPTIONAL { ?this core:onRejection ?next }
 } ORDER BY ?this"""
+_PRECONDITIONS = """
+SELECT ?this ?precedes ?argument ?class ?native ?holds ?others WHERE {
+    ?this a core:Precondition ; core:precedes ?precedes ; core:ofArgument ?argument ; core:argumentClass ?class ;
+        core:native ?native .
+    OPTIONAL { ?this core:mustHold ?holds } OPTIONAL { ?this core:othersOf ?others }
+} ORDER BY ?this ?precedes"""
 _FAILURES = """
 SELECT ?this ?priority WHERE {
     ?this rdfs:subClassOf+ core:Failure . OPTIONAL { ?this core:priority ?priority } } ORDER BY ?this"""
@@ -84,6 +98,7 @@ def compile_schema(store: Store) -> Schema:
         regions=regions,
         defaults=defaults,
         labels={row["this"]: row["label"] for row in _rows(store, _LABELS)},
+        preconditions=_preconditions(store),
         notations={row["this"]: row["notation"] for row in _rows(store, _NOTATIONS)},
     )
 
@@ -191,6 +206,24 @@ def _routes(store: Store) -> dict[str, Route]:
         )
         for iri, fields in gathered.items()
     }
+
+
+def _preconditions(store: Store) -> tuple[PreconditionRule, ...]:
+    rows: dict[str, list[Row]] = {}
+    for row in _rows(store, _PRECONDITIONS):
+        rows.setdefault(row["this"], []).append(row)
+    return tuple(
+        PreconditionRule(
+            iri=iri,
+            precedes=frozenset(row["precedes"] for row in each),
+            argument=int(each[0]["argument"]) - 1,
+            argument_class=each[0]["class"],
+            native=each[0]["native"],
+            must_hold=each[0].get("holds") != "false",
+            others=each[0].get("others"),
+        )
+        for iri, each in rows.items()
+    )
 
 
 def _one(fields: Mapping[str, set[str]], key: str) -> str | None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from onto_compiler.problems import Span
 from onto_compiler.schema import local_name
 
-__all__ = ["Entity", "Fact", "NativeAtom", "RequiredABox"]
+__all__ = ["Entity", "Fact", "NativeAtom", "Precondition", "RequiredABox"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +47,21 @@ class Fact:
 
 
 @dataclass(frozen=True, slots=True)
+class Precondition:
+    """A ``fact`` that must hold before others can be brought about through a controller."""
+
+    fact: Fact
+    before: tuple[int, ...]  # indices of the required facts that need it
+    declared: str  # IRI of the core:Precondition that asks for it
+
+
+@dataclass(frozen=True, slots=True)
 class RequiredABox:
     """What a task asks for. ``facts`` belong to the goal; ``premise`` must hold after settling (the task's ``:init``).
 
     Without ``alternatives`` all ``facts`` must hold at the end. Otherwise each alternative is a set of their indices,
     and the goal is reached where all facts of one alternative hold (the goal's disjunctive normal form).
+    ``preconditions`` are empty until :func:`onto_compiler.bddl.conditions.with_preconditions` derives them.
     """
 
     task: str
@@ -61,6 +71,7 @@ class RequiredABox:
     premise: tuple[Fact, ...] = ()
     source: str = ""  # path of the task file
     alternatives: tuple[tuple[int, ...], ...] = ()
+    preconditions: tuple[Precondition, ...] = ()
 
     @property
     def ways(self) -> tuple[tuple[int, ...], ...]:

@@ -19,6 +19,7 @@ __all__ = [
     "refuse_two_types",
     "required_quads",
     "required_statements",
+    "stated_facts",
     "thresholds_of",
 ]
 
@@ -32,7 +33,7 @@ def required_quads(required: RequiredABox, schema: Schema, top: str) -> Iterator
         ValueError: where one name stands for entities of two types.
     """
     thresholds = thresholds_of(schema)
-    refuse_two_types((*required.facts, *required.premise), thresholds)
+    refuse_two_types(stated_facts(required), thresholds)
     facts, premise = f"{top}/required", f"{top}/premise"
     graphs = [
         (facts, required_statements(facts, top, required, thresholds)),
@@ -64,6 +65,11 @@ def required_statements(iri: str, top: str, required: RequiredABox, thresholds: 
     yield from link(iri, TRACE + "declares", *(f"{top}/premise/fact/{i}" for i in range(len(required.premise))))
     yield from link(iri, TRACE + "memberFact", *(f"{iri}/fact/{i}" for i in range(len(required.facts))))
     yield from fact_statements(iri, top, required.facts, thresholds)
+    yield from fact_statements(f"{iri}/precondition", top, [p.fact for p in required.preconditions], thresholds)
+    for index, precondition in enumerate(required.preconditions):
+        yield from link(f"{iri}/precondition/fact/{index}", CORE + "declaration", precondition.declared)
+        for later in precondition.before:
+            yield from link(f"{iri}/fact/{later}", CORE + "precondition", f"{iri}/precondition/fact/{index}")
     for index, way in enumerate(required.alternatives):
         alternative = f"{iri}/alternative/{index}"
         yield from link(iri, TRACE + "alternative", alternative)
@@ -94,6 +100,11 @@ def fact_statements(abox: str, top: str, facts: Sequence[Fact], thresholds: froz
         for argument in fact.arguments:
             if argument.type not in thresholds:
                 yield from _entity(entity_iri(top, argument.name), argument)
+
+
+def stated_facts(required: RequiredABox) -> tuple[Fact, ...]:
+    """Every fact that the record of a required ABox holds."""
+    return (*required.facts, *required.premise, *(each.fact for each in required.preconditions))
 
 
 def refuse_two_types(facts: Iterable[Fact], thresholds: frozenset[str]) -> None:

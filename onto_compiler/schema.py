@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 __all__ = [
     "Binding",
     "JointThreshold",
+    "PreconditionRule",
     "PredicateSignature",
     "Route",
     "Schema",
@@ -69,6 +70,24 @@ class Binding:
 
 
 @dataclass(frozen=True, slots=True)
+class PreconditionRule:
+    """A declared precondition: which facts need it, and which atom of the task language it is.
+
+    The atom is ``native(argument)``; with ``others`` it is ``native(other, argument)`` for each other instance of that
+    class. The argument is the fact's ``argument``-th (from 0) if it is of ``argument_class``, or else what it is a
+    region of.
+    """
+
+    iri: str
+    precedes: frozenset[str]  # predicates, or kinds of predicates
+    argument: int
+    argument_class: str
+    native: str
+    must_hold: bool = True
+    others: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Route:
     """A declared correction route: a dispatch label, not a robot action."""
 
@@ -94,6 +113,7 @@ class Schema:
     regions: Mapping[tuple[str, str], str]  # (category of the target, region name) -> class IRI
     defaults: Mapping[str, str]  # "object" | "fixture" | "region" | "workspace_region" -> class IRI
     labels: Mapping[str, str] = field(default_factory=dict)
+    preconditions: tuple[PreconditionRule, ...] = ()
     notations: Mapping[str, str] = field(default_factory=dict)  # term IRI -> its short name in records and JSON
 
     def is_a(self, cls: str, ancestor: str) -> bool:

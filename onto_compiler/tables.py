@@ -23,6 +23,7 @@ __all__ = [
     "EXHAUSTED",
     "EXPLICITLY_FALSE",
     "FIRST",
+    "LEVELS",
     "MARGIN_VIOLATED",
     "REPEAT",
     "SATISFIED",
@@ -30,6 +31,7 @@ __all__ = [
     "DiagnosisEntry",
     "Disagreement",
     "RouteEntry",
+    "RouteKey",
     "RuleTables",
     "compile_tables",
 ]
@@ -40,6 +42,9 @@ SATISFIED, ABSENT, EXPLICITLY_FALSE, MARGIN_VIOLATED = STATUSES = tuple(
 FIRST, REPEAT, EXHAUSTED = ATTEMPT_STATUSES = tuple(
     CORE + name for name in ("FirstAttempt", "RepeatAttempt", "ExhaustedAttempt")
 )
+LEVELS = {
+    word: CORE + name for word, name in (("plan", "PlanLevel"), ("state", "StateLevel"), ("action", "ActionLevel"))
+}
 _CASES = NamedNode("urn:onto-evwm:cases")
 _DIAGNOSED = """
 SELECT ?this ?failure ?rule ?priority WHERE {
@@ -50,7 +55,7 @@ SELECT ?this ?route ?decision ?rule WHERE {
     ?this core:route ?route ; core:decision ?decision ; core:routedBy ?rule } ORDER BY ?this ?route ?decision ?rule"""
 
 DiagnosisKey = tuple[str, bool, str]  # predicate, polarity, status
-RouteKey = tuple[str, str, str, str | None]  # predicate, failure, attempt status, previous route
+RouteKey = tuple[str, str, str, str | None, str]  # predicate, failure, attempt status, previous route, level
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,9 +78,10 @@ class RouteEntry:
 
 @dataclass(frozen=True, slots=True)
 class RuleTables:
-    """``diagnosis[predicate, polarity, status]`` and ``routing[predicate, failure, attempt status, previous route]``.
+    """``diagnosis[predicate, polarity, status]`` and ``routing[predicate, failure, attempt status, previous, level]``.
 
-    A combination that is missing is one that no rule speaks of.
+    The previous route is one of the same level, whose word (``state``) ends the key. A combination that is missing is
+    one that no rule speaks of.
     """
 
     diagnosis: Mapping[DiagnosisKey, DiagnosisEntry]
@@ -143,10 +149,13 @@ def _route(
 ) -> dict[RouteKey, RouteEntry]:
     pairs = sorted({(predicate, entry.failure) for (predicate, _, _), entry in diagnosis.items()})
     cases: dict[NamedNode, RouteKey] = {}
-    for number, (pair, status, previous) in enumerate(product(pairs, ATTEMPT_STATUSES, (None, *schema.routes))):
-        if (status == FIRST) == (previous is None):
-            cases[case := NamedNode(f"{_CASES.value}:failure:{number}")] = (*pair, status, previous)
-            scratch.extend(_failed(case, *pair, status, previous))
+    for level in LEVELS:
+        routes = [iri for iri, route in schema.routes.items() if route.level == level]
+        for number, (pair, status, previous) in enumerate(product(pairs, ATTEMPT_STATUSES, (None, *routes))):
+            if routes and (status == FIRST) == (previous is None):
+                case = NamedNode(f"{_CASES.value}:{level}:{number}")
+                cases[case] = (*pair, status, previous, level)
+                scratch.extend(_failed(case, *cases[case]))
     apply_rules(scratch, rules, _CASES, cases)
     found: dict[RouteKey, RouteEntry] = {}
     for this, route, decision, rule in _table(scratch, _ROUTED, ("route", "decision", "rule")):
@@ -166,13 +175,16 @@ def _observed(case: NamedNode, predicate: str, polarity: bool, status: str) -> I
     yield Quad(case, node(CORE + "status"), node(status), _CASES)
 
 
-def _failed(case: NamedNode, predicate: str, failure: str, status: str, previous: str | None) -> Iterator[Quad]:
+def _failed(
+    case: NamedNode, predicate: str, failure: str, status: str, previous: str | None, level: str
+) -> Iterator[Quad]:
     fact = NamedNode(f"{case.value}:fact")
     yield Quad(fact, node(CORE + "predicate"), node(predicate), _CASES)
     yield Quad(case, node(RDF + "type"), node(failure), _CASES)
     yield Quad(case, node(CORE + "failureClass"), node(failure), _CASES)
     yield Quad(case, node(CORE + "fact"), fact, _CASES)
     yield Quad(case, node(CORE + "attemptStatus"), node(status), _CASES)
+    yield Quad(case, node(CORE + "requestedLevel"), node(LEVELS[level]), _CASES)
     if previous is not None:
         yield Quad(case, node(CORE + "previousRoute"), node(previous), _CASES)
 

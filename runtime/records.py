@@ -27,7 +27,7 @@ class Diagnosis:
     """One unsatisfied required fact, kept whole: d_f = (f, c_f, m_f)."""
 
     fact: Fact
-    index: int  # of the fact in the required ABox
+    index: int  # of the fact in the required ABox, or among its preconditions
     failure: str  # failure class IRI
     status: str  # evidence status IRI: absent, explicitly false or margin violated
     truth: bool  # as observed
@@ -36,6 +36,7 @@ class Diagnosis:
     source: str  # "sim" | "pred"
     rule: str  # IRI of the rule that fired
     priority: int
+    precondition: bool = False  # whether the goal asks for the fact only because another needs it first
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +50,7 @@ class RouteDecision:
     rule: str
     attempt_status: str = ""  # IRI: first, repeat or exhausted
     previous: str | None = None  # IRI of the route that was rejected or exhausted before
+    requested: str = ""  # the level at which the loop may act; empty where a trace does not say
 
 
 @dataclass(frozen=True, slots=True)

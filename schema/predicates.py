@@ -100,7 +100,11 @@ PredicateName: TypeAlias = Literal[
 ]
 
 RouteName: TypeAlias = Literal[
+    "move_joint",
     "object_relation_predicate",
+    "pick_and_place",
+    "place_in_region",
+    "place_on_rack",
     "rack_contact_site",
     "source_joint_pose",
     "source_joint_residual",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import strategies as st
 
@@ -9,9 +11,9 @@ from grounding.observation import Observation
 from onto_compiler.compile_schema import load_schema
 from onto_compiler.problems import Span
 from onto_compiler.rdf import CORE
-from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
+from onto_compiler.required import Entity, Fact, NativeAtom, Precondition, RequiredABox
 from onto_compiler.schema import local_name
-from onto_compiler.tables import ATTEMPT_STATUSES, STATUSES
+from onto_compiler.tables import ATTEMPT_STATUSES, LEVELS, STATUSES
 from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
 
 SCHEMA = load_schema()
@@ -73,9 +75,10 @@ def observations(draw, size):
 
 
 @st.composite
-def diagnoses(draw, required, index):
+def diagnoses(draw, required, index, precondition=False):
+    facts = [each.fact for each in required.preconditions] if precondition else required.facts
     return Diagnosis(
-        fact=required.facts[index],
+        fact=facts[index],
         index=index,
         failure=draw(st.sampled_from(sorted(SCHEMA.failures))),
         status=draw(st.sampled_from(STATUSES[1:])),
@@ -85,6 +88,7 @@ def diagnoses(draw, required, index):
         source=draw(st.sampled_from(("sim", "pred"))),
         rule=draw(st.sampled_from(RULES)),
         priority=draw(st.integers(0, 1000)),
+        precondition=precondition,
     )
 
 
@@ -98,6 +102,9 @@ def verifications(draw):
 def attempts(draw, required, index):
     chosen = draw(st.lists(st.integers(0, len(required.facts) - 1), min_size=1, unique=True))
     found = tuple(draw(diagnoses(required, i)) for i in chosen)
+    if required.preconditions:
+        needed = draw(st.lists(st.integers(0, len(required.preconditions) - 1), unique=True))
+        found += tuple(draw(diagnoses(required, i, precondition=True)) for i in needed)
     route = SCHEMA.routes[draw(st.sampled_from(sorted(SCHEMA.routes)))]
     decision = RouteDecision(
         route=route.iri,
@@ -108,6 +115,7 @@ def attempts(draw, required, index):
         rule=draw(st.sampled_from(RULES)),
         attempt_status=draw(st.sampled_from(("", *ATTEMPT_STATUSES))),
         previous=draw(st.none() | st.sampled_from(sorted(SCHEMA.routes))),
+        requested=draw(st.sampled_from(("", *LEVELS))),
     )
     application = None
     if draw(st.booleans()):
@@ -134,7 +142,11 @@ def required_aboxes(draw):
     premise = draw(st.lists(facts(scene), max_size=2))
     ways = st.lists(st.integers(0, len(goal) - 1), min_size=1, unique=True).map(lambda way: tuple(sorted(way)))
     alternatives = tuple(draw(st.lists(ways, max_size=3)))
-    return RequiredABox(draw(names), draw(texts), draw(names), tuple(goal), tuple(premise), draw(texts), alternatives)
+    before = st.lists(st.integers(0, len(goal) - 1), min_size=1, unique=True).map(lambda way: tuple(sorted(way)))
+    declared = st.sampled_from([rule.iri for rule in SCHEMA.preconditions])
+    preconditions = tuple(draw(st.lists(st.builds(Precondition, facts(scene), before, declared), max_size=2)))
+    abox = RequiredABox(draw(names), draw(texts), draw(names), tuple(goal), tuple(premise), draw(texts), alternatives)
+    return replace(abox, preconditions=preconditions)
 
 
 @st.composite

@@ -19,7 +19,7 @@ from onto_compiler.problems import OntoError, Problem, near
 from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
 from onto_compiler.schema import Binding, JointThreshold, PredicateSignature, Schema, local_name
 
-__all__ = ["lift", "required_abox"]
+__all__ = ["lift", "lift_atom", "required_abox"]
 
 
 def required_abox(spec: TaskSpec, schema: Schema, task: str) -> RequiredABox:
@@ -64,6 +64,11 @@ def lift(spec: TaskSpec, schema: Schema, task: str) -> tuple[RequiredABox, tuple
         alternatives=wanted.alternatives,
     )
     return abox, warnings
+
+
+def lift_atom(atom: Atom, scope: Scope, schema: Schema, domain: str, *, polarity: bool) -> Fact | None:
+    """One atom over the names of a task as a goal would have it; None where it does not lift."""
+    return _Lifter(schema, scope, domain).fact(atom, polarity=polarity).fact
 
 
 @dataclass(frozen=True, slots=True)

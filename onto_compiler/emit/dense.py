@@ -11,7 +11,7 @@ from typing import Any
 
 from onto_compiler.emit.tbox import TBox
 from onto_compiler.rdf import CORE
-from onto_compiler.tables import ATTEMPT_STATUSES, STATUSES, compile_tables
+from onto_compiler.tables import ATTEMPT_STATUSES, LEVELS, STATUSES, compile_tables
 
 __all__ = ["emit"]
 
@@ -25,7 +25,8 @@ def emit(tbox: TBox) -> str:
     ``classes``: C class IRIs. ``predicates``: P records, in the order of their index. ``argument_mask``: P x 2 x C, 1
     where an argument of that class is allowed (all 0: no such argument). ``diagnosis``: P x 2 x S, the failure that
     follows from predicate, polarity (0: must not hold) and evidence status. ``priority``: F. ``routing``:
-    P x F x R+1 x A, the route that follows from predicate, failure, previous route (R: none) and attempt status.
+    L x P x F x R+1 x A, the route that follows from the level at which the loop may act, predicate, failure, previous
+    route (R: none) and attempt status.
 
     Raises:
         OntoError: RUN002, where two rules conclude different things of one combination.
@@ -35,6 +36,7 @@ def emit(tbox: TBox) -> str:
     predicates, failures, routes = sorted(schema.predicates), sorted(schema.failures), sorted(schema.routes)
     used = {wanted for signature in schema.predicates.values() for wanted in signature.parameters}
     classes = sorted({*tbox.below(_ENTITY), *(sub for wanted in used for sub in tbox.below(wanted))})
+    levels = [level for level in LEVELS if any(route.level == level for route in schema.routes.values())]
     units = sorted({signature.margin_unit for signature in schema.predicates.values() if signature.margin_unit})
     failed = {
         key: failures.index(entry.failure) for key, entry in tables.diagnosis.items() if entry.failure in failures
@@ -61,6 +63,7 @@ def emit(tbox: TBox) -> str:
         ],
         "statuses": list(STATUSES),
         "attempt_statuses": list(ATTEMPT_STATUSES),
+        "levels": levels,
         "failures": failures,
         "priority": [min((p for f, p in order if f == one), default=schema.failures[one]) for one in failures],
         "routes": [{"iri": iri, "name": schema.routes[iri].name, "level": schema.routes[iri].level} for iri in routes],
@@ -71,12 +74,15 @@ def emit(tbox: TBox) -> str:
         "routing": [
             [
                 [
-                    [routed.get((iri, failure, status, previous), -1) for status in ATTEMPT_STATUSES]
-                    for previous in (*routes, None)
+                    [
+                        [routed.get((iri, failure, status, previous, level), -1) for status in ATTEMPT_STATUSES]
+                        for previous in (*routes, None)
+                    ]
+                    for failure in failures
                 ]
-                for failure in failures
+                for iri in predicates
             ]
-            for iri in predicates
+            for level in levels
         ],
     }
     return _text(layout)

@@ -10,7 +10,7 @@ from onto_compiler.reference.diagram import route_diagram
 from onto_compiler.reference.model import Reference
 from onto_compiler.reference.terms import about, named
 from onto_compiler.schema import local_name
-from onto_compiler.tables import EXHAUSTED, FIRST, REPEAT, SATISFIED, STATUSES
+from onto_compiler.tables import EXHAUSTED, FIRST, LEVELS, REPEAT, SATISFIED, STATUSES
 
 __all__ = ["routes_section", "rules_section"]
 
@@ -75,7 +75,7 @@ def rules_section(reference: Reference) -> Html:
             )
         )
     diagnosis = ("kind", "must", *(reference.label(status) for status in _UNSATISFIED))
-    routing = ("kind", "failure", "at first", "after a rejection", "when exhausted")
+    routing = ("kind", "failure", "level", "at first", "after a rejection", "when exhausted")
     return joined(
         [
             element("h3", "The rules in words"),
@@ -89,7 +89,11 @@ def rules_section(reference: Reference) -> Html:
                 "After a rejection, “route → next” reads: where that route was rejected, the next one is asked.",
                 class_="quiet",
             ),
-            table("Route by kind of predicate, failure and how the last attempt ended", routing, _routings(reference)),
+            table(
+                "Route by kind of predicate, failure, level of the run, and how the last attempt ended",
+                routing,
+                _routings(reference),
+            ),
         ]
     )
 
@@ -121,16 +125,18 @@ def _routings(reference: Reference) -> Iterator[tuple[object, ...]]:
     for kind, predicates in _kinds(reference).items():
         asked = _reached(reference, predicates)
         for failure in sorted({key[1] for key in routing if key[0] in predicates}):
-            cells = []
-            for status in (FIRST, REPEAT, EXHAUSTED):
-                found = {
-                    (key[3], entry.route, entry.decision)
-                    for key, entry in routing.items()
-                    if key[0] in predicates and key[1] == failure and key[2] == status and key[3] in asked
-                }
-                steps = sorted(found, key=lambda step: tuple(map(str, step)))
-                cells.append(joined(_step(reference, *step) for step in steps) or "—")
-            yield (reference.link(kind), reference.link(failure), *cells)
+            for level in LEVELS:
+                cells = []
+                for status in (FIRST, REPEAT, EXHAUSTED):
+                    found = {
+                        (previous, entry.route, entry.decision)
+                        for (one, *case, previous, at), entry in routing.items()
+                        if one in predicates and case == [failure, status] and previous in asked and at == level
+                    }
+                    steps = sorted(found, key=lambda step: tuple(map(str, step)))
+                    cells.append(joined(_step(reference, *step) for step in steps))
+                if any(cells):
+                    yield (reference.link(kind), reference.link(failure), level, *(cell or "—" for cell in cells))
 
 
 def _reached(reference: Reference, predicates: list[str]) -> set[str | None]:

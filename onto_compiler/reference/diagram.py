@@ -9,7 +9,7 @@ from onto_compiler.html import Html, element
 from onto_compiler.reference.layers import layers, ordered
 from onto_compiler.reference.model import Reference
 from onto_compiler.schema import local_name
-from onto_compiler.tables import FIRST
+from onto_compiler.tables import FIRST, RouteEntry, RouteKey
 
 __all__ = ["route_diagram", "route_edges"]
 
@@ -24,7 +24,7 @@ def route_edges(reference: Reference) -> dict[tuple[str, str], str]:
     for (predicate, _, _), found in sorted(reference.tables.diagnosis.items()):
         kind = schema.predicates[predicate].kind
         edges[kind, found.failure] = f"{local_name(kind)} can fail as {local_name(found.failure)}"
-    for (_, failure, status, _), chosen in sorted(reference.tables.routing.items(), key=lambda item: item[0][:3]):
+    for (_, failure, status, _, _), chosen in sorted(reference.tables.routing.items(), key=_case):
         if status == FIRST:
             edges[failure, chosen.route] = f"{local_name(failure)} is first sent to {local_name(chosen.route)}"
     for iri, route in sorted(schema.routes.items()):
@@ -33,6 +33,11 @@ def route_edges(reference: Reference) -> dict[tuple[str, str], str]:
                 f"{route.name}, once rejected, gives way to {local_name(route.on_rejection)}"
             )
     return edges
+
+
+def _case(item: tuple[RouteKey, RouteEntry]) -> tuple[str, ...]:
+    (predicate, failure, status, _, level), _ = item
+    return predicate, failure, status, level
 
 
 def route_diagram(reference: Reference) -> Html:

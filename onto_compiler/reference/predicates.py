@@ -64,7 +64,7 @@ def _facts(reference: Reference, signature: PredicateSignature) -> Iterator[tupl
     yield "can fail as", reference.links(sorted(failures)) or "nothing that a rule names"
     routes = {
         entry.route
-        for (predicate, _, status, _), entry in tables.routing.items()
+        for (predicate, _, status, _, _), entry in tables.routing.items()
         if predicate == signature.iri and status == FIRST
     }
     yield "first sent to", reference.links(sorted(routes)) or "no route"

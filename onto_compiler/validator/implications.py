@@ -45,6 +45,7 @@ _PREDICATE, _FIRST, _SECOND, _DOMAIN, _RANGE, _ARITY, _FACT, _ROUTE, _FAILURE, _
         "supports",
     )
 )  # fmt: skip
+_LEVEL, _REQUESTED, _PRECONDITION = (node(CORE + name) for name in ("level", "requestedLevel", "precondition"))
 _DIAGNOSIS, _OF, _SELECTED, _EPISODE, _REQUIRES, _MEMBER = (
     node(TRACE + name) for name in ("diagnosis", "of", "selected", "inEpisode", "requires", "memberFact")
 )
@@ -79,7 +80,7 @@ def _arity(facts: Known, focus: Term) -> Iterator[Solution]:
 
 
 def _preserved(facts: Known, focus: Term) -> Iterator[Solution]:
-    """Argument preservation: a diagnosis speaks of a fact of its episode's required ABox."""
+    """Argument preservation: a diagnosis speaks of a fact of its episode's required ABox, or a precondition of one."""
     attempts = dict.fromkeys(facts.subjects(_DIAGNOSIS, focus))
     for decision in facts.subjects(_OF, focus):
         attempts.update(dict.fromkeys(facts.subjects(_SELECTED, decision)))
@@ -88,7 +89,7 @@ def _preserved(facts: Known, focus: Term) -> Iterator[Solution]:
             for required in facts.values(episode, _REQUIRES):
                 members = facts.values(required, _MEMBER)
                 for value in facts.values(focus, _FACT):
-                    if value not in members:
+                    if value not in members and not any(value in facts.values(m, _PRECONDITION) for m in members):
                         yield {"value": value, "attempt": attempt, "required": required, "path": _FACT}
 
 
@@ -105,10 +106,21 @@ def _compatible(facts: Known, focus: Term) -> Iterator[Solution]:
                             yield {"value": route, "unmet": failure, "predicate": predicate, "path": _ROUTE}
 
 
+def _at_level(facts: Known, focus: Term) -> Iterator[Solution]:
+    """Compatible routing: the route acts at the level at which the run may act."""
+    for route in facts.values(focus, _ROUTE):
+        levels = facts.values(route, _LEVEL)
+        for diagnosis in facts.values(focus, _OF):
+            for wanted in facts.values(diagnosis, _REQUESTED):
+                if wanted not in levels:
+                    yield {"value": route, "wanted": wanted, "path": _ROUTE}
+
+
 IMPLICATIONS: Mapping[str, Implication] = {
     "2b47f4343cfc4f74": _argument(_FIRST, _DOMAIN),
     "1ae2ae9b6a1a1767": _argument(_SECOND, _RANGE),
     "5ebced233f1d5619": _arity,
-    "a3a7610021ade40e": _preserved,
+    "23a1016928925276": _preserved,
     "e6c85d8e797daa03": _compatible,
+    "fdfd0a429de7d7d2": _at_level,
 }

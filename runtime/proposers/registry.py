@@ -5,11 +5,9 @@ Another package adds or replaces a route's proposer by declaring an entry point 
 
 from __future__ import annotations
 
-from importlib.metadata import entry_points
 from typing import TYPE_CHECKING
 
-from onto_compiler.problems import OntoError
-from onto_compiler.schema import local_name
+from runtime.routed import load_routed
 
 if TYPE_CHECKING:
     from onto_compiler.schema import Schema
@@ -25,15 +23,4 @@ def load_proposers(schema: Schema) -> dict[str, Proposer]:
 
     Raises :class:`OntoError` with ``RUN010`` when an entry point cannot be loaded.
     """
-    routes = {local_name(iri) for iri in schema.routes}
-    found: dict[str, Proposer] = {}
-    for entry in sorted(entry_points(group=GROUP), key=lambda e: e.name):
-        if entry.name not in routes:
-            continue
-        try:
-            factory = entry.load()
-        except (ImportError, AttributeError) as error:
-            message = f"the proposer of route `{entry.name}` cannot be loaded from `{entry.value}`: {error}"
-            raise OntoError.of("RUN010", message, f"reinstall the package that declares it in `{GROUP}`") from error
-        found[entry.name] = factory(schema)
-    return found
+    return {name: make(schema) for name, make in load_routed(schema, GROUP, "proposer", "RUN010").items()}

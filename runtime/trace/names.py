@@ -8,6 +8,7 @@ from __future__ import annotations
 from urllib.parse import quote
 
 from onto_compiler.rdf import BASE, CORE, TRACE
+from onto_compiler.tables import LEVELS
 
 __all__ = [
     "LEVELS",
@@ -22,7 +23,6 @@ __all__ = [
 
 RUNS = BASE + "run/"
 
-LEVELS = {"plan": CORE + "PlanLevel", "state": CORE + "StateLevel", "action": CORE + "ActionLevel"}
 MODES = {"none": TRACE + "NoApplication", "state": TRACE + "StateMutation", "controller": TRACE + "ControllerExecution"}
 OUTCOMES = {
     "retained": TRACE + "Retained",

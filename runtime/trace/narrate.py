@@ -125,13 +125,14 @@ def _found(diagnosis: Diagnosis, schema: Schema) -> str:
     source = _SOURCES[diagnosis.source]
     margin = amount(diagnosis.margin, unit_of(diagnosis.fact, schema))
     limit = f", decided by {diagnosis.limit}" if diagnosis.limit else ""
+    what = "Precondition" if diagnosis.precondition else "Fact"
     match diagnosis.status:
         case status if status == ABSENT:
-            return f"Fact: {source} has no evidence of {fact}."
+            return f"{what}: {source} has no evidence of {fact}."
         case status if status == MARGIN_VIOLATED:
-            return f"Fact: {source} finds {fact}, but by less than required (margin {margin}{limit})."
+            return f"{what}: {source} finds {fact}, but by less than required (margin {margin}{limit})."
         case _:
-            return f"Fact: {source} finds {fact} unmet (margin {margin}{limit})."
+            return f"{what}: {source} finds {fact} unmet (margin {margin}{limit})."
 
 
 def _routed(decision: RouteDecision, schema: Schema, *, several: bool) -> str:

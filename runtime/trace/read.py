@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -14,7 +14,7 @@ from pyoxigraph import Literal, NamedNode, Store
 from grounding.observation import Observation
 from onto_compiler.problems import OntoError, Span
 from onto_compiler.rdf import CORE, RDF, RDFS, TRACE, node
-from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
+from onto_compiler.required import Entity, Fact, NativeAtom, Precondition, RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.tables import ABSENT
 from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
@@ -120,6 +120,9 @@ class _Subject:
     def word(self, key: str, words: dict[str, str]) -> str:
         return self.convert(key, words.__getitem__)
 
+    def word_or_none(self, key: str, words: dict[str, str]) -> str | None:
+        return None if self.text_or_none(key) is None else self.word(key, words)
+
     def json(self, key: str) -> Any:  # noqa: ANN401 - whatever JSON holds
         return self.convert(key, json.loads)
 
@@ -144,18 +147,30 @@ class _Subject:
         return OntoError.of("TRC003", f"the trace is incomplete: <{self.iri}> {what}", "record the episode again")
 
 
+def _preconditions(facts: Sequence[_Subject]) -> Iterator[Precondition]:
+    before: dict[str, list[int]] = {}
+    for fact in facts:
+        for needed in fact.members("core_precondition"):
+            before.setdefault(needed.iri, []).append(fact.integer("trace_index"))
+    subjects = [_Subject(facts[0].store, iri) for iri in before]
+    for subject in sorted(subjects, key=lambda each: each.integer("trace_index")):
+        yield Precondition(_fact(subject), tuple(sorted(before[subject.iri])), subject.text("core_declaration"))
+
+
 def _required(about: _Subject) -> RequiredABox:
+    members = list(about.members("trace_memberFact"))
     return RequiredABox(
         task=about.text("trace_task"),
         language=about.text("trace_language"),
         problem=about.text("trace_problem"),
-        facts=tuple(_fact(fact) for fact in about.members("trace_memberFact")),
+        facts=tuple(_fact(fact) for fact in members),
         premise=tuple(_fact(fact) for fact in about.members("trace_declares")),
         source=about.text("trace_taskFile"),
         alternatives=tuple(
             tuple(fact.integer("trace_index") for fact in way.members("trace_asksFor"))
             for way in about.members("trace_alternative")
         ),
+        preconditions=tuple(_preconditions(members)),
     )
 
 
@@ -220,12 +235,15 @@ def _attempt(about: _Subject, required: RequiredABox) -> Attempt:
 
 
 def _diagnosis(about: _Subject, required: RequiredABox) -> Diagnosis:
-    index = about.subject("core_fact").integer("trace_index")
-    if index >= len(required.facts):
+    fact = about.subject("core_fact")
+    index, precondition = fact.integer("trace_index"), next(fact.incoming(CORE + "precondition"), None) is not None
+    facts = [each.fact for each in required.preconditions] if precondition else required.facts
+    if index >= len(facts):
         raise about.fault("speaks of a fact that the required ABox does not hold")
     return Diagnosis(
-        fact=required.facts[index],
+        fact=facts[index],
         index=index,
+        precondition=precondition,
         failure=about.text("core_failureClass"),
         status=about.text("core_status"),
         truth=about.boolean("core_truth"),
@@ -247,6 +265,7 @@ def _decision(about: _Subject, required: RequiredABox) -> RouteDecision:
         rule=about.text("core_routedBy"),
         attempt_status=diagnosis.text_or_none("core_attemptStatus") or "",
         previous=diagnosis.text_or_none("core_previousRoute"),
+        requested=diagnosis.word_or_none("core_requestedLevel", _LEVEL) or "",
     )
 
 

@@ -59,13 +59,13 @@ class Reasons:
         signature = self.schema.predicates.get(fact.predicate)
         return signature.kind if signature else None
 
-    def eligible(self, diagnosis: Diagnosis) -> tuple[str, ...]:
-        """Every route that admits the failure and supports the predicate's kind, by IRI."""
+    def eligible(self, diagnosis: Diagnosis, level: str) -> tuple[str, ...]:
+        """Every route of ``level`` that admits the failure and supports the predicate's kind, by IRI."""
         kind = self.kind(diagnosis.fact)
         if kind is None:
             return ()
         kinds = self.schema.classes.get(kind, frozenset((kind,)))
-        routes = self.schema.routes.values()
+        routes = [route for route in self.schema.routes.values() if route.level == level]
         return tuple(r.iri for r in routes if diagnosis.failure in r.admits and kinds & r.supports)
 
     def of_attempt(self, attempt: Attempt) -> dict[str, Any]:
@@ -73,12 +73,14 @@ class Reasons:
         decision = attempt.selected
         diagnosis = decision.diagnosis
         kind = self.kind(diagnosis.fact)
+        eligible = self.eligible(diagnosis, decision.level)
         return {
             "diagnoses": [
                 {
                     "fact_index": each.index,
                     "priority": each.priority,
-                    "selected": each.index == diagnosis.index,
+                    "precondition": each.precondition,
+                    "selected": (each.precondition, each.index) == (diagnosis.precondition, diagnosis.index),
                     "status": local_name(each.status),
                     "source": each.source,
                     "limit": each.limit or None,
@@ -97,7 +99,8 @@ class Reasons:
                 "admits": self._name(diagnosis.failure),
                 "supports": local_name(kind) if kind else None,
                 "rule": self.rule(decision.rule),
-                "also_eligible": [self._name(iri) for iri in self.eligible(diagnosis) if iri != decision.route],
+                "requested_level": decision.requested or None,
+                "also_eligible": [self._name(iri) for iri in eligible if iri != decision.route],
             },
         }
 
@@ -128,7 +131,10 @@ class Reasons:
         failure, kind = decision.diagnosis.failure, self.kind(decision.diagnosis.fact)
         known = self.schema.routes.get(decision.route)
         name = f"`{self._name(decision.route)}`"
-        if known is not None and kind is not None and decision.route in self.eligible(decision.diagnosis):
+        eligible = self.eligible(decision.diagnosis, decision.level)
+        if decision.requested:
+            yield f"The run acts at the {decision.requested} level."
+        if known is not None and kind is not None and decision.route in eligible:
             predicate = self._name(decision.diagnosis.fact.predicate)
             yield f"{name} admits {self._name(failure)} and supports {local_name(kind)}, the kind of `{predicate}`."
         yield from self._rule(decision.rule)
@@ -137,13 +143,13 @@ class Reasons:
             successor = previous.on_rejection
             before = f"`{previous.name}`"
             yield f"{before} names {f'`{self._name(successor)}`' if successor else 'no route'} for rejections."
-        others = [iri for iri in self.eligible(decision.diagnosis) if iri != decision.route]
+        others = [iri for iri in eligible if iri != decision.route]
         successor = known.on_rejection if known is not None else None
         for iri in others:
             role = f", to which {name} leaves what it fails at" if iri == successor else ""
             yield f"Eligible as well: `{self._name(iri)}`{role}."
         if not others:
-            yield "No other route is eligible."
+            yield f"No other route of the {decision.level} level is eligible."
 
     def _rule(self, iri: str) -> Iterator[str]:
         rule = self.rule(iri)

@@ -15,8 +15,14 @@ from pyoxigraph import Quad
 
 from grounding.observation import Observation
 from onto_compiler.rdf import CORE, PROV, TRACE, node
-from onto_compiler.required import Fact
-from onto_compiler.required_rdf import fact_statements, refuse_two_types, required_statements, thresholds_of
+from onto_compiler.required import Fact, RequiredABox
+from onto_compiler.required_rdf import (
+    fact_statements,
+    refuse_two_types,
+    required_statements,
+    stated_facts,
+    thresholds_of,
+)
 from onto_compiler.schema import Schema
 from onto_compiler.statements import Statement, describe, link, quads_of
 from onto_compiler.tables import STATUSES
@@ -41,7 +47,7 @@ def episode_quads(episode: Episode, schema: Schema, run: str) -> Iterator[Quad]:
     thresholds = thresholds_of(schema)
     # A proposer gives its route by name or by IRI.
     routes = {key: route.iri for route in schema.routes.values() for key in (route.name, route.iri)}
-    refuse_two_types((*episode.required.facts, *episode.required.premise), thresholds)
+    refuse_two_types(stated_facts(episode.required), thresholds)
     required, premise = f"{top}/required", f"{top}/premise"
     facts, declared = episode.required.facts, episode.required.premise
     graphs: list[tuple[str, Iterable[Statement]]] = [
@@ -59,7 +65,7 @@ def episode_quads(episode: Episode, schema: Schema, run: str) -> Iterator[Quad]:
         graphs += [
             (observed, _observation(observed, required, facts, attempt.observation)),
             (observed, _origin(observed, maker, required, earlier)),
-            (iri, _attempt(iri, top, attempt, maker, routes, _Required(facts, thresholds))),
+            (iri, _attempt(iri, top, attempt, maker, routes, _Required(episode.required, thresholds))),
         ]
         earlier, maker = observed, iri
     final = f"{top}/final"
@@ -178,15 +184,18 @@ def _attempt(
 
 @dataclass(frozen=True, slots=True)
 class _Required:
-    """The facts that an episode requires, and the IRIs of thresholds, which are no entities of a scene."""
+    """What an episode requires, and the IRIs of thresholds, which are no entities of a scene."""
 
-    facts: Sequence[Fact]
+    abox: RequiredABox
     thresholds: frozenset[str]
 
     def holds(self, diagnosis: Diagnosis) -> bool:
         """Whether the diagnosis keeps, whole, the fact that its index names."""
         index, fact = diagnosis.index, diagnosis.fact
-        return 0 <= index < len(self.facts) and (self.facts[index] is fact or self.facts[index] == fact)
+        facts = self.abox.facts
+        if diagnosis.precondition:
+            facts = tuple(each.fact for each in self.abox.preconditions)
+        return 0 <= index < len(facts) and (facts[index] is fact or facts[index] == fact)
 
 
 def _same(left: Diagnosis, right: Diagnosis) -> bool:
@@ -197,7 +206,8 @@ def _same(left: Diagnosis, right: Diagnosis) -> bool:
 def _diagnosis(
     iri: str, top: str, observed: str, index: int, diagnosis: Diagnosis, required: _Required
 ) -> Iterator[Statement]:
-    fact = f"{top}/required/fact/{diagnosis.index}"
+    member = f"{top}/required/precondition" if diagnosis.precondition else f"{top}/required"
+    fact = f"{member}/fact/{diagnosis.index}"
     if not required.holds(diagnosis):
         # A diagnosis of another fact says so, and the shapes refuse it (ABX002).
         fact = f"{iri}/fact/0"
@@ -216,16 +226,19 @@ def _diagnosis(
         core_priority=diagnosis.priority,
         trace_index=index,
     )
-    yield from link(iri, _DERIVED, f"{observed}/observation/{diagnosis.index}")
+    # Observed ABoxes hold the goal's facts; of a precondition, the diagnosis alone says how it was observed.
+    seen = "" if diagnosis.precondition else f"/observation/{diagnosis.index}"
+    yield from link(iri, _DERIVED, f"{observed}{seen}")
 
 
 def _decision(iri: str, diagnosis: str, decision: RouteDecision) -> Iterator[Statement]:
-    # Status and previous route are said of the diagnosis, where the routing rules look for them.
+    # Status, previous route and requested level are said of the diagnosis, where the routing rules look for them.
     yield from describe(
         diagnosis,
         [],
         core_attemptStatus=node(decision.attempt_status) if decision.attempt_status else None,
         core_previousRoute=node(decision.previous) if decision.previous is not None else None,
+        core_requestedLevel=node(LEVELS[decision.requested]) if decision.requested else None,
     )
     yield from describe(
         iri,

@@ -13,7 +13,7 @@ from onto_compiler.problems import OntoError
 from onto_compiler.rdf import CORE, MAN
 from onto_compiler.rules import apply_rules, read_rules
 from onto_compiler.sources import load_store
-from onto_compiler.tables import ATTEMPT_STATUSES, FIRST, STATUSES, compile_tables
+from onto_compiler.tables import ATTEMPT_STATUSES, FIRST, LEVELS, STATUSES, compile_tables
 
 CONCLUDED = [
     URIRef(CORE + name) for name in ("failureClass", "diagnosedBy", "priority", "route", "decision", "routedBy")
@@ -46,7 +46,10 @@ def cases(schema):
         graph.add((node, core("status"), URIRef(key[2])))
         observed[node] = key
     failures = [f for f in sorted(schema.failures) if f.startswith(MAN)]
-    ways = product(sorted(schema.predicates), failures, ATTEMPT_STATUSES, (None, *sorted(schema.routes)))
+    routes = [(None, level) for level in LEVELS] + [(iri, route.level) for iri, route in sorted(schema.routes.items())]
+    ways = [(*way[:3], *way[3]) for way in product(sorted(schema.predicates), failures, ATTEMPT_STATUSES, routes)]
+    for level, other in (("state", "pick_and_place"), ("action", "object_relation_predicate")):
+        ways += [(MAN + "on", failure, ATTEMPT_STATUSES[2], MAN + other, level) for failure in failures]
     for number, key in enumerate(way for way in ways if (way[2] == FIRST) == (way[3] is None)):
         node = URIRef(f"{CASE}failed:{number}")
         fact = URIRef(f"{node}:fact")
@@ -57,6 +60,7 @@ def cases(schema):
         graph.add((node, core("attemptStatus"), URIRef(key[2])))
         if key[3] is not None:
             graph.add((node, core("previousRoute"), URIRef(key[3])))
+        graph.add((node, core("requestedLevel"), URIRef(LEVELS[key[4]])))
         failed[node] = key
     return graph, observed, failed
 
@@ -88,8 +92,8 @@ def test_oxigraph_concludes_what_pyshacl_concludes(by_pyshacl):
     found.parse(data=rows, format="nt")
     assert conclusions(found, given) == expected
     assert len(observed) == 72
-    assert len(failed) == 9 * 5 * (1 + 2 * 4)
-    assert len(expected) > 600
+    assert len(failed) == 9 * 5 * (3 + 2 * 8) + 2 * 5
+    assert len(expected) > 1000
 
 
 def test_tables_hold_what_pyshacl_concludes(by_pyshacl):
@@ -104,6 +108,7 @@ def test_tables_hold_what_pyshacl_concludes(by_pyshacl):
             from_tables.add((node, core("priority"), Literal(entry.priority)))
     produced = {(predicate, entry.failure) for (predicate, _, _), entry in tables.diagnosis.items()}
     reachable = {node: key for node, key in failed.items() if key[:2] in produced}
+    assert {key[4] for key in reachable.values()} == set(LEVELS)
     for node, key in reachable.items():
         if key in tables.routing:
             entry = tables.routing[key]
@@ -119,11 +124,13 @@ def test_every_unsatisfied_status_is_diagnosed_and_every_diagnosis_is_routed():
     tables, schema = knowledge.tables, knowledge.schema
     for predicate, polarity, status in product(schema.predicates, (True, False), STATUSES[1:]):
         failure = tables.diagnosis[predicate, polarity, status].failure
-        assert (predicate, failure, FIRST, None) in tables.routing
-        for attempt, previous in product(ATTEMPT_STATUSES[1:], schema.routes):
-            entry = tables.routing.get((predicate, failure, attempt, previous))
+        for level in ("state", "action"):
+            assert (predicate, failure, FIRST, None, level) in tables.routing
+        for attempt, previous, level in product(ATTEMPT_STATUSES[1:], schema.routes, LEVELS):
+            entry = tables.routing.get((predicate, failure, attempt, previous, level))
             if entry is not None:
                 route = schema.routes[entry.route]
+                assert route.level == level
                 assert failure in route.admits
                 assert any(schema.is_a(schema.predicates[predicate].kind, kind) for kind in route.supports)
 
@@ -150,11 +157,31 @@ def test_the_router_table_of_the_paper():
     }
     for predicate, (failure, route) in expected.items():
         key = (MAN + predicate, MAN + failure)
-        assert tables.routing[(*key, FIRST, None)].route == MAN + route
-        rejected = tables.routing[(*key, CORE + "RepeatAttempt", MAN + route)]
+        assert tables.routing[(*key, FIRST, None, "state")].route == MAN + route
+        rejected = tables.routing[(*key, CORE + "RepeatAttempt", MAN + route, "state")]
         assert (rejected.route, rejected.decision) == (MAN + "source_joint_residual", CORE + "Reroute")
-        again = tables.routing[(*key, CORE + "RepeatAttempt", MAN + "source_joint_residual")]
+        again = tables.routing[(*key, CORE + "RepeatAttempt", MAN + "source_joint_residual", "state")]
         assert (again.route, again.decision) == (MAN + "source_joint_residual", CORE + "Retry")
+
+
+def test_a_rejected_action_is_retried_within_its_route_until_no_candidate_is_left():
+    tables, schema = load_knowledge().tables, load_knowledge().schema
+    first = {key: entry for key, entry in tables.routing.items() if key[2] == FIRST and key[4] == "action"}
+    assert {entry.route for entry in first.values()} == {
+        MAN + name for name in ("move_joint", "pick_and_place", "place_in_region", "place_on_rack")
+    }
+    for (predicate, failure, _, _, level), entry in first.items():
+        again = tables.routing[predicate, failure, CORE + "RepeatAttempt", entry.route, level]
+        assert (again.route, again.decision) == (entry.route, CORE + "Retry")
+        assert (predicate, failure, CORE + "ExhaustedAttempt", entry.route, level) not in tables.routing
+        assert schema.routes[entry.route].on_rejection is None
+
+
+def test_routes_of_one_level_are_all_that_a_run_of_this_level_is_sent_to():
+    tables, schema = load_knowledge().tables, load_knowledge().schema
+    assert {key[4] for key in tables.routing} == {"state", "action"}
+    assert all(schema.routes[entry.route].level == key[4] for key, entry in tables.routing.items())
+    assert all(key[3] is None or schema.routes[key[3]].level == key[4] for key in tables.routing)
 
 
 def test_rules_that_disagree_are_refused(tmp_path):

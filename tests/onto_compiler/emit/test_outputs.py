@@ -131,8 +131,9 @@ def test_dense_tables_are_the_rules(layout):
     }
     assert diagnosed == {key: entry.failure for key, entry in tables.diagnosis.items()}
     routed = {
-        (names[p], failures[f], layout["attempt_statuses"][a], [*routes, None][r]): routes[code]
-        for p, by_failure in enumerate(layout["routing"])
+        (names[p], failures[f], layout["attempt_statuses"][a], [*routes, None][r], layout["levels"][n]): routes[code]
+        for n, by_predicate in enumerate(layout["routing"])
+        for p, by_failure in enumerate(by_predicate)
         for f, by_previous in enumerate(by_failure)
         for r, row in enumerate(by_previous)
         for a, code in enumerate(row)

@@ -68,7 +68,7 @@ def test_every_shipped_shape_has_a_python_form():
 def test_every_implication_is_that_of_one_shipped_query_and_of_no_other():
     store = load_store()
     keys = [query_key(quad.object.value) for quad in store.quads_for_pattern(None, node(SH + "select"), None, None)]
-    assert len(keys) == len(set(keys)) == 5
+    assert len(keys) == len(set(keys)) == 6
     assert set(keys) == set(IMPLICATIONS)
 
 

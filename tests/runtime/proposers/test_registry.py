@@ -8,6 +8,7 @@ import pytest
 from onto_compiler.compile_schema import load_schema
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import local_name
+from runtime import routed
 from runtime.proposers import registry
 
 pytestmark = pytest.mark.sim
@@ -31,7 +32,7 @@ def test_a_route_that_the_schema_lacks_is_left_out():
 @pytest.mark.parametrize("value", ["no_such_module:Proposer", "runtime.proposers.registry:NoSuchName"])
 def test_a_proposer_that_cannot_be_loaded_is_an_error_of_its_own(monkeypatch, value):
     entry = EntryPoint("rack_contact_site", value, registry.GROUP)
-    monkeypatch.setattr(registry, "entry_points", lambda group: [entry] if group == registry.GROUP else [])
+    monkeypatch.setattr(routed, "entry_points", lambda group: [entry] if group == registry.GROUP else [])
     with pytest.raises(OntoError) as raised:
         registry.load_proposers(load_schema())
     assert [p.code for p in raised.value.problems] == ["RUN010"]

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.audit_tables import audit_table, suites_table
+from benchmarks.audit_tables import audit_table, suites_table, versions_table
 from benchmarks.bddl import CORPORA
 from benchmarks.grounding import KINDS
 from benchmarks.results import RESULTS, read_result
@@ -95,6 +95,11 @@ def audit(result: dict[str, Any]) -> str:
 def audit_suites(result: dict[str, Any]) -> str:
     """See :func:`benchmarks.audit_tables.suites_table`."""
     return f"{suites_table(result)}\n\n{_origin(result)}"
+
+
+def audit_versions(result: dict[str, Any]) -> str:
+    """See :func:`benchmarks.audit_tables.versions_table`."""
+    return f"{versions_table(result)}\n\n{_origin(result)}"
 
 
 def check(result: dict[str, Any]) -> str:
@@ -256,6 +261,7 @@ def validator(result: dict[str, Any]) -> str:
 
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "audit": audit,
+    "audit_versions": audit_versions,
     "audit_suites": audit_suites,
     "bddl": bddl,
     "check": check,

@@ -1,7 +1,7 @@
 """A hundred thousand damaged BDDL and Turtle files, each put through what a person's file goes through.
 
-Counted are exceptions other than the one that carries problems, inputs that take more than two seconds of processor time,
-problems that do not say where they are, and printed tasks that read back as another task.
+Counted are exceptions other than the one that carries problems, inputs that take more than two seconds of a processor's
+time, problems that do not say where they are, and printed tasks that read back as another task.
 """
 
 from __future__ import annotations

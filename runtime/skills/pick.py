@@ -12,7 +12,7 @@ from runtime.skills.fault import SkillFault
 from runtime.skills.frames import Pose
 from runtime.skills.grasping import Grasp, Search, find_grasps
 from runtime.skills.motion import CLOSED, EMPTY, OPEN, Action, close, reach
-from runtime.skills.transit import transit
+from runtime.skills.transit import transit, way_out
 from runtime.skills.world import World
 
 __all__ = ["Holding", "alike", "grasps_of", "pick"]
@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 APPROACH = 0.08  # metres before the grasp
 LIFT = 0.05
+OFF_GROUND = 0.006  # metres, while it is pulled out from under something
 KEPT = 0.5  # of the gripper's rise that what it holds must share
 NEIGHBOURHOOD = 0.25
 FAR = 0.02  # metres from the grasp, at which closing makes no sense
@@ -64,7 +65,11 @@ def pick(world: World, entity: str, grasp: Grasp) -> Generator[Action, None, Hol
     before = goal.position[2]
     if not (yield from close(world, goal)):
         raise SkillFault("lost", f"the fingers closed beside `{entity}`")
+    out = way_out(world.cloud(entity), world.surroundings(entity))
+    if out.any():
+        yield from reach(world, world.eef.moved(out + np.array([0.0, 0.0, OFF_GROUND])), CLOSED, near=0.012, speed=0.6)
     start = world.eef
+    before += start.position[2] - goal.position[2]
     yield from reach(world, start.moved(np.array([0.0, 0.0, LIFT])), CLOSED, near=0.012, steps=20)
     risen = float((world.pose(entity) @ point).position[2] - before)
     if risen < KEPT * (world.eef.position[2] - start.position[2]) or world.aperture < EMPTY:

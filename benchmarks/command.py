@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from benchmarks.protocol import Protocol, load_protocols, protocol_named
+from benchmarks.protocol import Protocol, Row, load_protocols, protocol_named
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, print_json
 
 __all__ = ["BENCH"]
@@ -19,6 +20,9 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--full", action="store_true", help="the published size; the result goes to benchmarks/results")
     parser.add_argument("--out", type=Path, default=Path("out/bench"), help="where rows are kept (default out/bench)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: one per core)")
+    parser.add_argument(
+        "--part", action="append", default=[], help="run only this part (a suite) and keep the result's other parts"
+    )
     add_format(parser)
 
 
@@ -50,7 +54,8 @@ def _measure(protocol: Protocol, options: argparse.Namespace) -> dict[str, Any]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn  # noqa: PLC0415
 
     from benchmarks.engine import run_protocol  # noqa: PLC0415
-    from benchmarks.results import RESULTS, git, read_result, write_result  # noqa: PLC0415
+    from benchmarks.parts import chosen_trials, joined  # noqa: PLC0415
+    from benchmarks.results import RESULTS, git, made_by, read_result, write_result  # noqa: PLC0415
 
     size = "full" if options.full else "small"
     # Rows are resumed only where the code that made them is the code that runs now.
@@ -58,13 +63,19 @@ def _measure(protocol: Protocol, options: argparse.Namespace) -> dict[str, Any]:
     rows_file = options.out / f"{protocol.name}.{size}.{commit}.jsonl"
     if git("status", "--porcelain", "--untracked-files=no"):
         rows_file.unlink(missing_ok=True)
-    trials = protocol.trials(options.full)
+    every = protocol.trials(options.full)
+    trials = chosen_trials(protocol, every, options.part)
     columns = (TextColumn(protocol.name), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True)) as progress:
         bar = progress.add_task(protocol.name, total=len(trials))
-        rows = run_protocol(protocol, trials, rows_file, options.jobs, lambda: progress.advance(bar))
-    command = f"onto bench {protocol.name}{' --full' if options.full else ''}"
-    path = write_result(RESULTS if options.full else options.out, protocol, rows, command)
+        rows: Sequence[Row] = run_protocol(protocol, trials, rows_file, options.jobs, lambda: progress.advance(bar))
+    named = "".join(f" --part {name}" for name in options.part)
+    command = f"onto bench {protocol.name}{' --full' if options.full else ''}{named}"
+    folder = RESULTS if options.full else options.out
+    parts = None
+    if protocol.parts:
+        rows, parts = joined(folder / f"{protocol.name}.json", protocol, every, rows, made_by(command))
+    path = write_result(folder, protocol, rows, command, parts=parts)
     sys.stderr.write(f"wrote {path}\n")
     return read_result(path)
 

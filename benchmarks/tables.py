@@ -16,12 +16,13 @@ from benchmarks.audit_tables import audit_table, suites_table, versions_table
 from benchmarks.bddl import CORPORA
 from benchmarks.grounding import KINDS
 from benchmarks.results import RESULTS, read_result
+from benchmarks.skills_tables import skills_table
 from benchmarks.state_repair import METHODS, SUITES
 
 __all__ = ["TABLES", "fill", "main"]
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = ("README.md", "docs/audit.md", "docs/results.md")
+PAGES = ("README.md", "docs/audit.md", "docs/results.md", "docs/skills.md")
 _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w.-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -100,6 +101,15 @@ def audit_suites(result: dict[str, Any]) -> str:
 def audit_versions(result: dict[str, Any]) -> str:
     """See :func:`benchmarks.audit_tables.versions_table`."""
     return f"{versions_table(result)}\n\n{_origin(result)}"
+
+
+def skills(result: dict[str, Any]) -> str:
+    """See :func:`benchmarks.skills_tables.skills_table`; each suite may have been run apart."""
+    parts = (
+        f"`{name}`: `{part['command']}` at commit `{part['commit'][:12]}` on {part['date'][:10]}"
+        for name, part in result["parts"].items()
+    )
+    return f"{skills_table(result)}\n\n{'; '.join(parts)}.\n\n{_origin(result)}"
 
 
 def check(result: dict[str, Any]) -> str:
@@ -271,6 +281,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "fuzz": fuzz,
     "grounding": grounding,
     "lsp": lsp,
+    "skills": skills,
     "state_repair": state_repair,
     "validator": validator,
 }

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from onto_compiler.bddl.conditions import with_preconditions
 from onto_compiler.bddl.lift import required_abox
 from onto_compiler.bddl.parse import parse, parse_file
 from onto_compiler.knowledge import Knowledge
@@ -28,13 +29,15 @@ BUDGET = 8  # attempts; see benchmarks/state_repair.py for what fewer would cost
 PREMISE_STEPS = 10  # official initial states hang above the table: the field settles them by ten steps without motion
 
 
-def required_of(ref: TaskRef, knowledge: Knowledge) -> RequiredABox:
-    """Compile a task's file to its required ABox.
+def required_of(ref: TaskRef, knowledge: Knowledge, *, ordered: bool = False) -> RequiredABox:
+    """Compile a task's file to its required ABox, with the preconditions of its facts where it is to be ``ordered``.
 
     A suite's file is named ``SUITE/TASK.bddl`` in the record, so that the same run makes the same trace everywhere.
     """
     spec = parse(ref.bddl.read_text(encoding="utf-8"), f"{ref.suite}/{ref.bddl.name}") if ref.suite else None
-    return required_abox(spec or parse_file(ref.bddl), knowledge.schema, ref.name)
+    spec = spec or parse_file(ref.bddl)
+    required = required_abox(spec, knowledge.schema, ref.name)
+    return with_preconditions(required, spec, knowledge.schema) if ordered else required
 
 
 @dataclass(frozen=True, slots=True)

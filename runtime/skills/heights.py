@@ -11,7 +11,7 @@ __all__ = ["CELL", "Relief", "relief_of", "underside"]
 
 Array = NDArray[np.float64]
 
-CELL = 0.01  # metres
+CELL = 0.006  # metres
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -14,7 +14,7 @@ from runtime.proposers.targets import place_of, threshold_of
 from runtime.skills.frames import Pose, axis_angle
 from runtime.skills.world import World
 
-__all__ = ["Articulation", "access", "articulation", "articulations"]
+__all__ = ["Articulation", "access", "articulation", "articulations", "wider"]
 
 Array = NDArray[np.float64]
 
@@ -23,6 +23,8 @@ MARGIN_SLIDE, MARGIN_HINGE = 0.006, 0.08
 NARROW = 0.015  # width of a satisfied side, metres or radians
 _PART, _NARROW_PART = 0.5, 0.1  # of a satisfied side that is narrower than twice the margin, and of a narrow one
 COASTS = 0.5  # damping times duration over inertia, below which a joint keeps most of its speed
+SHORT = 0.004  # metres that a drawer is left from its limit when it is opened as far as it goes
+WORTH = 0.008  # metres of opening that are worth a pull
 OPENED = "Open"  # the native predicate whose threshold says that an object can be put in
 _UNLIMITED = 1e3
 
@@ -137,22 +139,37 @@ def access(world: World, schema: Schema, fact: Fact) -> list[Articulation]:
 
     A place is barred when its site lies in a drawer, or in a fixture with a door, that does not count as open.
     """
+    named = _opening(world, schema, fact)
+    return _missing(world, *named, polarity=True) if named else []
+
+
+def wider(world: World, schema: Schema, fact: Fact) -> list[Articulation]:
+    """The drawers that the place of ``fact`` lies in and that can be opened further, up to their limit."""
+    named = _opening(world, schema, fact)
+    found = [replace(art, goal=art.end - art.sign * SHORT) for art in (_moving(world, *named) if named else ())]
+    return [art for art in found if art.slides and art.left(art.start) > WORTH]
+
+
+def _opening(world: World, schema: Schema, fact: Fact) -> tuple[str, JointThreshold] | None:
+    """What has to be open for an object to be put where ``fact`` asks it to be, and when it counts as open."""
     place = place_of(world.index, fact)
     if place is None or place.site is None or place.parent is None or not (place.contains and fact.polarity):
-        return []
+        return None
     category = place.parent.rstrip("0123456789").rstrip("_")  # LIBERO numbers the instances of a category
     threshold = schema.thresholds.get((category, OPENED))
     if threshold is None:
-        return []
-    name = place.site if len(world.index.joints(place.site)) else place.parent
-    return _missing(world, name, threshold, polarity=True)
+        return None
+    return (place.site if len(world.index.joints(place.site)) else place.parent), threshold
+
+
+def _moving(world: World, name: str, threshold: JointThreshold, *, polarity: bool = True) -> list[Articulation]:
+    free = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL)
+    joints = [int(j) for j in world.index.joints(name) if int(world.model.jnt_type[j]) not in free]
+    return [articulation(world, joint, threshold, polarity=polarity) for joint in joints]
 
 
 def _missing(world: World, name: str, threshold: JointThreshold, *, polarity: bool) -> list[Articulation]:
-    model = world.model
-    free = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL)
-    moving = [int(j) for j in world.index.joints(name) if int(model.jnt_type[j]) not in free]
-    found = [articulation(world, joint, threshold, polarity=polarity) for joint in moving]
+    found = _moving(world, name, threshold, polarity=polarity)
     unmet = [a for a in found if a.sign * (a.start - a.bound) <= 0.0]
     # "Not open" is said of every joint where "open" is said of any.
     if threshold.every_joint != polarity and len(unmet) < len(found):

@@ -19,7 +19,7 @@ from runtime.skills.pick import Holding
 from runtime.skills.transit import transit
 from runtime.skills.world import World
 
-__all__ = ["Spot", "cost_of", "place", "spots"]
+__all__ = ["Spot", "cost_of", "cramped", "place", "spots"]
 
 Array = NDArray[np.float64]
 
@@ -32,6 +32,7 @@ HOVER = 0.05  # metres above the place, from where it is lowered
 NEAR = 0.028  # metres between the origins of two objects that count as one on the other
 KEPT = 0.8  # of a region's half extent that origins are placed in
 AROUND = 0.35
+CRAMPED = 0.02  # metres above the floor
 GAP = 0.01  # metres between neighbours
 ENTERED = 12  # spots behind an opening, that are looked at
 OUTSIDE = 0.18  # metres from a place behind an opening to where the hand stands before it
@@ -40,7 +41,7 @@ SIDES = tuple(np.array([np.cos(a), np.sin(a), 0.0]) for a in np.arange(8) * np.p
 FLAT = 0.98  # cosine; a site that leans more than this holds what is put along its slope
 SLOPE = (0.0, 0.01, 0.02, 0.03)  # metres up the slope
 LEVEL = 1e-6
-MOST = 6  # cells from the middle
+MOST = 10  # cells from the middle
 OFF_CENTRE = 0.35  # metres of height that a metre from the middle counts as
 TURN = 0.002  # metres that a radian of turning counts as
 SUNK = 0.001  # metres below where it rests: a contact is then seen
@@ -92,6 +93,20 @@ def spots(world: World, target: Place, yaw: float, holds: Callable[[Pose], bool]
     near = around[np.abs(around - frame.position).max(axis=1) < AROUND]
     near = near[near[:, 2] < top]
     return [entered for spot in some for entered in _entered(spot, cloud, near)] or found
+
+
+def cramped(world: World, target: Place, spot: Spot) -> bool:
+    """Whether ``spot`` is on the rim of what the object has to be in, rather than on its floor."""
+    if target.site is None or not target.contains:
+        return False
+    body = world.pose(target.subject)
+    cloud = (world.cloud(target.subject) - body.position) @ body.rotation @ spot.pose.rotation.T
+    under, corner = underside(cloud)
+    frame = world.site_pose(target.site)
+    floor = relief_of(
+        world.points([int(world.model.site_bodyid[world.index.site(target.site)])]), frame.position, AROUND
+    )
+    return bool(spot.pose.position[2] - floor.drop(under, frame.position[:2] + corner) > CRAMPED)
 
 
 def _resting(

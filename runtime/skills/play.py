@@ -16,18 +16,24 @@ from numpy.typing import NDArray
 
 from grounding.observation import Observation
 from grounding.sim import SimGrounder
+from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import Fact, RequiredABox
-from onto_compiler.schema import Schema
+from onto_compiler.schema import local_name
+from onto_compiler.tables import FIRST, REPEAT
 from runtime.diagnosis import unmet
 from runtime.faults import RunFault
 from runtime.proposers.targets import slot_of
+from runtime.records import RouteDecision
+from runtime.routing import route_or_none
 from runtime.simulator.compiled import CompiledScene
 from runtime.simulator.simulation import DUMMY_ACTION, Simulation
 from runtime.skills.fault import SkillFault
 from runtime.skills.frames import Pose
 from runtime.skills.motion import OPEN, Action, grip, reach
-from runtime.skills.offers import Offer, offers
+from runtime.skills.order import Step, diagnose_step, ready
+from runtime.skills.protocol import Plan, SkillRequest
 from runtime.skills.reach import Reach
+from runtime.skills.registry import load_skills
 from runtime.skills.world import Shapes, World
 
 __all__ = ["Played", "Player", "Try"]
@@ -42,13 +48,14 @@ _OVER = "horizon"
 
 @dataclass(frozen=True, slots=True)
 class Try:
-    """One skill that was carried out: for which fact, which candidate, in how many steps, and how it ended.
+    """One skill that was carried out: for which fact, by which route, which candidate, how long, and with what end.
 
     ``outcome`` is ``held`` where the fact was true afterwards, ``unmet`` where it was not, the kind of the
     :class:`SkillFault`, or ``horizon`` where the episode was over.
     """
 
     fact: str
+    route: str
     candidate: int
     note: str
     steps: int
@@ -80,7 +87,7 @@ class _Episode:
     horizon: int
     actions: list[Action] = field(default_factory=list)
     tries: list[Try] = field(default_factory=list)
-    tried: dict[int, list[Pose]] = field(default_factory=dict)
+    tried: dict[str, list[Pose]] = field(default_factory=dict)
     rehearsed: int = 0
 
     def drive(self, motion: Generator[Action, None, object]) -> None:
@@ -95,10 +102,13 @@ class _Episode:
 class Player:
     """Plays episodes of one task in its compiled scene."""
 
-    def __init__(self, scene: CompiledScene, required: RequiredABox, schema: Schema) -> None:
-        """Resolve the goal in the scene; raises ``SIM001`` ff. where it names what the scene lacks."""
-        self.scene, self.required, self.schema = scene, required, schema
+    def __init__(self, scene: CompiledScene, required: RequiredABox, knowledge: Knowledge) -> None:
+        """Resolve the goal and its preconditions in the scene; raises ``SIM001`` ff. where they name what it lacks."""
+        self.scene, self.required, self.knowledge = scene, required, knowledge
+        schema = knowledge.schema
         self.grounder = SimGrounder(scene.index, required.facts, schema)
+        self.conditions = SimGrounder(scene.index, [each.fact for each in required.preconditions], schema)
+        self.skills = {name: make(schema) for name, make in load_skills(schema).items()}
         self.shapes = Shapes(scene)
         self._scratch = mujoco.MjData(scene.model)
 
@@ -116,9 +126,8 @@ class Player:
 
     def _play(self, episode: _Episode, candidates: int) -> Played:
         try:
-            while (index := self._next(episode.sim)) is not None and len(episode.actions) < episode.horizon:
-                if not self._act(episode, index, candidates):
-                    break
+            while len(episode.actions) < episode.horizon and self._act(episode, candidates):
+                pass
         except (_HorizonReached, RunFault):
             pass
         final = self.grounder.observe(episode.sim.data)
@@ -130,73 +139,97 @@ class Player:
             episode.rehearsed,
         )
 
-    def _next(self, sim: Simulation) -> int | None:
-        """The unmet fact that comes first; None where the goal holds."""
-        open_ = unmet(self.required, self.grounder.observe(sim.data))
-        return open_[0] if open_ else None
+    def _steps(self, sim: Simulation) -> tuple[Step, ...]:
+        """What is left to do, the next step first."""
+        observed, conditions = self.grounder.observe(sim.data), self.conditions.observe(sim.data)
+        return ready(self.required, observed, conditions, self.knowledge)
 
-    def _act(self, episode: _Episode, index: int, candidates: int) -> bool:
-        """Choose an offer for fact ``index`` and carry it out; False where there is none."""
-        fact = self.required.facts[index]
-        tried = episode.tried.setdefault(index, [])
-        found = self._offers(episode.world, episode.reach, index, tried)
-        offer = next(found, None) if candidates <= 1 else self._rehearse(episode, index, found, candidates)
-        if offer is None and tried:
-            tried.clear()  # the world has changed since: what failed before may do now
-            offer = next(self._offers(episode.world, episode.reach, index, tried), None)
-        if offer is None:
-            return False
-        tried += offer.poses
-        before = len(episode.actions)
-        outcome = _OVER
+    def _act(self, episode: _Episode, candidates: int) -> bool:
+        """Carry out one skill for the first step that has a way; False where nothing is left or can be done."""
+        for step in self._steps(episode.sim):
+            decision = self._route(episode, step)
+            skill = self.skills.get(local_name(decision.route)) if decision else None
+            if decision is None or skill is None:
+                continue
+            tried = episode.tried.setdefault(str(step.fact), [])
+            for _ in range(2 if tried else 1):
+                request = self._request(episode.world, episode.reach, step, tuple(tried))
+                plan = self._choose(episode, step, skill.candidates(request), candidates)
+                if plan is not None:
+                    tried += plan.poses
+                    self._record(episode, step, decision, plan)
+                    return True
+                tried.clear()  # the world has changed since: what failed before may do now
+        return False
+
+    def _record(self, episode: _Episode, step: Step, decision: RouteDecision, plan: Plan) -> None:
+        before, outcome = len(episode.actions), _OVER
+        number = 1 + sum(each.fact == str(step.fact) for each in episode.tries)
         try:
-            outcome = self._carry_out(episode, offer, index)
+            outcome = self._carry_out(episode, plan, step)
         finally:
             steps = len(episode.actions) - before
-            episode.tries.append(Try(str(fact), len(tried), offer.note, steps, outcome))
-        return True
+            route = local_name(decision.route)
+            episode.tries.append(Try(str(step.fact), route, number, plan.note, steps, outcome))
 
-    def _carry_out(self, episode: _Episode, offer: Offer, index: int) -> str:
+    def _route(self, episode: _Episode, step: Step) -> RouteDecision | None:
+        """The declared route of the action level for a step: dispatched at first, retried after."""
+        data = episode.sim.data
+        diagnosis = diagnose_step(
+            step, self.required, self.grounder.observe(data), self.conditions.observe(data), self.knowledge
+        )
+        first = route_or_none(diagnosis, self.knowledge, FIRST, level="action")
+        if first is None or not any(each.fact == str(step.fact) for each in episode.tries):
+            return first
+        return route_or_none(diagnosis, self.knowledge, REPEAT, first.route, level="action")
+
+    def _choose(self, episode: _Episode, step: Step, found: Iterator[Plan], candidates: int) -> Plan | None:
+        return next(found, None) if candidates <= 1 else self._rehearse(episode, step, found, candidates)
+
+    def _carry_out(self, episode: _Episode, plan: Plan, step: Step) -> str:
         world = episode.world
         try:
-            episode.drive(offer.run(world, episode.reach))
+            episode.drive(plan.run(world, episode.reach))
             episode.drive(grip(world, OPEN, PAUSE))
         except SkillFault as fault:
             episode.drive(grip(world, OPEN, PAUSE))
             episode.drive(reach(world, world.eef.moved(np.array([0.0, 0.0, RECOVERY])), OPEN, steps=15))
             return fault.kind
-        return "held" if index not in unmet(self.required, self.grounder.observe(episode.sim.data)) else "unmet"
+        return "held" if self._true(episode.sim, step) else "unmet"
 
-    def _rehearse(self, episode: _Episode, index: int, found: Iterator[Offer], candidates: int) -> Offer | None:
-        """Try offers in a fork; the first that leads to the fact and keeps what held, else what came nearest."""
+    def _true(self, sim: Simulation, step: Step) -> bool:
+        grounder = self.conditions if step.precondition else self.grounder
+        return bool(grounder.truth(sim.data)[step.index]) == step.fact.polarity
+
+    def _rehearse(self, episode: _Episode, step: Step, found: Iterator[Plan], candidates: int) -> Plan | None:
+        """Try plans in a fork; the first that leads to the fact and keeps what held, else what came nearest."""
         fork = Simulation(self.scene, exact=episode.sim.exact)
         start = episode.sim.snapshot()
-        best: tuple[float, Offer] | None = None
-        for offer in islice(found, candidates):
+        best: tuple[float, Plan] | None = None
+        for plan in islice(found, candidates):
             fork.restore(start)
             trial = self._begin(fork, episode.horizon - len(episode.actions))
             try:
-                outcome = self._carry_out(trial, offer, index)
+                outcome = self._carry_out(trial, plan, step)
             except (_HorizonReached, RunFault):
                 outcome = _OVER
             fork.settle(PAUSE)
             episode.rehearsed += len(trial.actions) + PAUSE
             score = self._score(fork, outcome, len(trial.actions))
             if best is None or score > best[0]:
-                best = (score, offer)
-            if outcome == "held" and score > 0.0:
+                best = (score, plan)
+            if outcome == "held":
                 break
         return best[1] if best else None
 
     def _score(self, fork: Simulation, outcome: str, steps: int) -> float:
-        """How good a rehearsal ended: by facts that hold, then by whether the skill came through, then by time."""
-        open_ = unmet(self.required, self.grounder.observe(fork.data))
-        return len(self.required.facts) - len(open_) - (0.5 if outcome != "held" else 0.0) - 1e-4 * steps
+        """How good a rehearsal ended: by what is left to do, then by whether the skill came through, then by time."""
+        return -len(self._steps(fork)) - (0.5 if outcome != "held" else 0.0) - 1e-4 * steps
 
-    def _offers(self, world: World, reach_: Reach, index: int, tried: Sequence[Pose]) -> Iterator[Offer]:
-        fact = self.required.facts[index]
-        sharing = slot_of(self.required, fact)[1]
-        return offers(world, reach_, self.schema, fact, self._holds(world, index), tried, sharing)
+    def _request(self, world: World, reach_: Reach, step: Step, tried: Sequence[Pose]) -> SkillRequest:
+        sharing = slot_of(self.required, step.fact)[1]
+        holds = None if step.precondition else self._holds(world, step.index)
+        return SkillRequest(world, reach_, step.fact, self.knowledge.schema, holds, tried, sharing)
 
     def _holds(self, world: World, index: int) -> Callable[[Pose], bool]:
         """Whether the fact would be true with its first argument at a pose, everything else as it is."""

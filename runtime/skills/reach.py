@@ -20,6 +20,7 @@ ROUNDS = 40
 DAMPING = 0.02
 POSITION_WEIGHT, ROTATION_WEIGHT = 1.0, 0.3  # a radian counts as 30 cm
 CLOSE = 1e-3
+ROOM = 0.1  # rad, that joints stay away from their limits: the controller does not see them
 SKIN = -0.002  # metres that a contact may lie inside another body
 OPEN = 0.04
 
@@ -48,7 +49,7 @@ class Reach:
         self._data = mujoco.MjData(world.model)
         self._arm = world.sim.scene.arm
         low, high = world.model.jnt_range[world.model.dof_jntid[self._arm.dof]].T
-        self._low, self._high = low + 0.02, high - 0.02
+        self._low, self._high = low + ROOM, high - ROOM
         self._robot = world.shapes.robot[world.model.geom_bodyid]
 
     def begin(self, changes: Mapping[int, float] | None = None) -> Array:

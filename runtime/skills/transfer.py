@@ -17,6 +17,7 @@ from runtime.skills.grasping import Grasp, Search
 from runtime.skills.motion import Action
 from runtime.skills.pick import APPROACH, alike, grasps_of, pick
 from runtime.skills.place import UP, Spot, cost_of, place, spots
+from runtime.skills.press import inward, leans, press
 from runtime.skills.reach import Reach, Reached
 from runtime.skills.world import World
 
@@ -52,9 +53,9 @@ class Again(Generic[T]):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Transfer:
-    """Take ``entity`` by ``grasp`` and let it go ``release`` metres above ``spot``."""
+    """Take the subject of ``place`` by ``grasp`` and let it go ``release`` metres above ``spot``."""
 
-    entity: str
+    place: Place
     grasp: Grasp
     spot: Spot
     release: float
@@ -87,7 +88,7 @@ def transfers(
                 local = grasp.pose.inverse() @ body
                 best = next(_released(reach, at, entity, local, found, grasp.width), None)
                 if best is not None:
-                    yield Transfer(entity, grasp, *best)
+                    yield Transfer(place_, grasp, *best)
 
 
 def _spread(found: Iterable[Spot]) -> list[Spot]:
@@ -109,8 +110,12 @@ def _turns(world: World, place_: Place) -> Iterator[tuple[float, ...]]:
 
 def transfer(world: World, plan: Transfer) -> Generator[Action, None, None]:
     """Carry out ``plan``; raises :class:`~runtime.skills.fault.SkillFault` where it fails."""
-    holding = yield from pick(world, plan.entity, plan.grasp)
+    entity, upright = plan.place.subject, plan.spot.pose.rotation
+    holding = yield from pick(world, entity, plan.grasp)
     yield from place(world, holding, plan.spot, plan.release)
+    way = inward(world, plan.place)
+    if way is not None and leans(world, entity, upright):
+        yield from press(world, entity, way, upright)
 
 
 def reachable(

@@ -44,7 +44,7 @@ def way_out(cloud: Array, around: Array) -> Array:
         for angle in np.arange(16) * np.pi / 8 if distance else (0.0,):
             offset = distance * np.array([np.cos(angle), np.sin(angle), 0.0])
             if not _inside(above, low + offset, high + offset) and not _inside(beside, low + offset, high + offset):
-                return offset
+                return np.asarray(offset)
     return np.zeros(3)
 
 

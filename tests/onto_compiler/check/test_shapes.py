@@ -53,7 +53,8 @@ def test_both_engines_agree_on_every_example(path):
 
 
 def test_enough_examples_are_compared():
-    assert sum(not path.stem.startswith((UNREADABLE, CANNOT_RUN)) for path in FILES) == 113
+    assert len(FILES) > 120
+    assert sum(path.stem.startswith((UNREADABLE, CANNOT_RUN)) for path in FILES) == 12
 
 
 @settings(max_examples=120, deadline=None)

@@ -13,7 +13,7 @@ FILES = ontology.query_files("checks")
 
 
 def test_every_query_is_collected():
-    assert len(FILES) == 38
+    assert len(FILES) == 41
     assert len(query_checks()) == len(FILES)
 
 
@@ -23,7 +23,9 @@ def test_a_query_is_named_after_its_code_and_selects_what_its_sentences_name(pat
     assert path.stem.startswith(check.code.lower() + "_")
     assert check.severity in {"error", "warning"}
     assert not check.problem.endswith(".")
-    selected = set(re.search(r"(?m)^SELECT (?:DISTINCT )?(.*) WHERE", check.query)[1].replace("(", " ").split())
+    selected = set(
+        re.search(r"(?m)^SELECT (?:DISTINCT )?(.*) WHERE", check.query)[1].translate(str.maketrans("()", "  ")).split()
+    )
     assert "?subject" in selected
     named = set(re.findall(r"\{(\w+)\}", check.problem + check.solution))
     assert {f"?{name}" for name in named if name != "replacement"} <= selected

@@ -76,7 +76,7 @@ class _Bench:
         required = required_of(ref, knowledge)
         scene = compile_scene(ref.bddl, SEED)
         self.name, self.horizon, self.states = ref.name, horizon_of(suite), initial_states(ref)
-        self.player = Player(scene, required, knowledge.schema)
+        self.player = Player(scene, required, knowledge)
         self.sim = _Clocked(scene, exact=True)
         self.native = NativeReplay(ref, required, knowledge, SEED)
 

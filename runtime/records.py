@@ -55,7 +55,10 @@ class RouteDecision:
 
 @dataclass(frozen=True, slots=True)
 class Proposal:
-    """q = P_r(s, A*_g, d). For a state-level route: the whole ``qpos`` to write, and the addresses that it changes."""
+    """q = P_r(s, A*_g, d). For a state-level route: the whole ``qpos`` to write, and the addresses that it changes.
+
+    For an action-level route both are empty, and ``note`` says what the mechanism was going to do.
+    """
 
     route: str
     proposer: str
@@ -67,11 +70,18 @@ class Proposal:
 
 @dataclass(frozen=True, slots=True)
 class Application:
-    """What was done with a proposal: ``mode`` is "none" (a plan only retained), "state" or "controller"."""
+    """What was done with a proposal: ``mode`` is "none" (a plan only retained), "state" or "controller".
+
+    A controller takes control steps of 1/20 s, and its mechanism comes to an ``end``: "completed", "out_of_steps", or
+    what it gave up for ("no_grasp", "unreachable", "lost", "missed", "blocked", "gave_up"). Whether the fact then holds
+    is for the verification to say.
+    """
 
     proposal: Proposal
     mode: str
     displacement: float  # L2 norm of the change of qpos
+    steps: int | None = None
+    end: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,17 +42,22 @@ def episode_summary(episode: Episode, schema: Schema) -> dict[str, Any]:
 
 
 def first_diagnoses(episode: Episode) -> tuple[Diagnosis, ...]:
-    """For each fact that was ever diagnosed its first diagnosis, in the order of the required ABox."""
+    """For each required fact that was ever diagnosed its first diagnosis, in the order of the required ABox.
+
+    Preconditions are left out: no observed ABox says what became of them.
+    """
     found: dict[int, Diagnosis] = {}
     for attempt in episode.attempts:
         for diagnosis in attempt.diagnoses:
-            found.setdefault(diagnosis.index, diagnosis)
+            if not diagnosis.precondition:
+                found.setdefault(diagnosis.index, diagnosis)
     return tuple(found[index] for index in sorted(found))
 
 
 def routes_of(episode: Episode, index: int) -> tuple[str, ...]:
     """The IRIs of the routes to which required fact ``index`` was sent, one for each attempt that selected it."""
-    return tuple(a.selected.route for a in episode.attempts if a.selected.diagnosis.index == index)
+    selected = [attempt.selected for attempt in episode.attempts]
+    return tuple(s.route for s in selected if s.diagnosis.index == index and not s.diagnosis.precondition)
 
 
 def margin_after(episode: Episode, index: int) -> float:
@@ -92,6 +97,9 @@ def _attempt(attempt: Attempt, schema: Schema) -> dict[str, Any]:
         "proposer": application.proposal.proposer if application else None,
         "candidate": application.proposal.candidate if application else None,
         "mode": application.mode if application else None,
+        "steps": application.steps if application else None,
+        "end": (application.end or None) if application else None,
+        "note": (application.proposal.note or None) if application else None,
         "verification": _verification(attempt.verification),
         "fault": attempt.fault or None,
     }

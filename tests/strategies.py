@@ -15,6 +15,7 @@ from onto_compiler.required import Entity, Fact, NativeAtom, Precondition, Requi
 from onto_compiler.schema import local_name
 from onto_compiler.tables import ATTEMPT_STATUSES, LEVELS, STATUSES
 from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
+from runtime.trace.names import ENDS
 
 SCHEMA = load_schema()
 NAN = float("nan")
@@ -123,7 +124,13 @@ def attempts(draw, required, index):
         changed = tuple(draw(st.lists(st.integers(0, 99), max_size=7, unique=True)))
         served = draw(st.sampled_from((route.iri, route.name, "no_declared_route")))
         proposal = Proposal(served, draw(names), draw(st.integers(0, 50)), qpos, changed, draw(texts))
-        application = Application(proposal, draw(st.sampled_from(("none", "state", "controller"))), draw(numbers))
+        application = Application(
+            proposal,
+            draw(st.sampled_from(("none", "state", "controller"))),
+            draw(numbers),
+            draw(st.none() | st.integers(0, 999)),
+            draw(st.sampled_from(("", *ENDS))),
+        )
     return Attempt(
         index=index,
         observation=draw(observations(len(required.facts))),

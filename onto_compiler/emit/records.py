@@ -153,6 +153,9 @@ RECORDS: Mapping[str, Record] = {
             "proposer": Field("string", TRACE + "proposer", null=True),
             "candidate": Field("integer", TRACE + "candidate", null=True),
             "mode": Field("word:mode", TRACE + "mode", null=True),
+            "steps": Field("integer", TRACE + "controlSteps", null=True),
+            "end": Field("word:end", TRACE + "end", null=True),
+            "note": Field("string", TRACE + "note", null=True),
         },
     ),
     "Verification": Record(

@@ -40,6 +40,7 @@ def _unit(tbox: TBox, iri: str) -> str:
 
 KINDS: Mapping[str, Callable[[TBox], list[tuple[str, str]]]] = {
     "decision": _members(CORE + "Decision", lambda tbox, iri: tbox.name(iri).lower()),
+    "end": _members(TRACE + "ExecutionEnd", TBox.name),
     "entity": _entities,
     "failure": _failures,
     "level": _members(CORE + "Level", TBox.name),

@@ -11,6 +11,7 @@ from onto_compiler.rdf import BASE, CORE, TRACE
 from onto_compiler.tables import LEVELS
 
 __all__ = [
+    "ENDS",
     "LEVELS",
     "MODES",
     "OUTCOMES",
@@ -23,6 +24,16 @@ __all__ = [
 
 RUNS = BASE + "run/"
 
+ENDS = {
+    "blocked": TRACE + "Blocked",
+    "completed": TRACE + "Completed",
+    "gave_up": TRACE + "GaveUp",
+    "lost": TRACE + "Lost",
+    "missed": TRACE + "Missed",
+    "no_grasp": TRACE + "NoGrasp",
+    "out_of_steps": TRACE + "OutOfSteps",
+    "unreachable": TRACE + "Unreachable",
+}
 MODES = {"none": TRACE + "NoApplication", "state": TRACE + "StateMutation", "controller": TRACE + "ControllerExecution"}
 OUTCOMES = {
     "retained": TRACE + "Retained",

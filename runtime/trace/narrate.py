@@ -10,7 +10,7 @@ from onto_compiler.required import Fact
 from onto_compiler.schema import Schema, local_name
 from onto_compiler.tables import ABSENT, EXHAUSTED, EXPLICITLY_FALSE, MARGIN_VIOLATED, REPEAT, SATISFIED, STATUSES
 from runtime.diagnosis import evidence_status
-from runtime.records import Attempt, Diagnosis, Episode, RouteDecision, Verification
+from runtime.records import Application, Attempt, Diagnosis, Episode, RouteDecision, Verification
 from runtime.trace.reasons import Reasons
 
 __all__ = ["amount", "atom", "chain", "narrate", "outcome_sentence", "premise_sentence", "short_name", "unit_of"]
@@ -29,6 +29,17 @@ _MODES = {
     "none": "was only retained as a plan",
     "state": "was written into the simulator's state",
     "controller": "was executed through the controller",
+}
+_ENDS = {
+    "": "",
+    "blocked": " and broken off, as something was in the way",
+    "completed": " to its end",
+    "gave_up": " and given up",
+    "lost": " and broken off, as the fingers held nothing",
+    "missed": " and broken off, as what was to be moved did not go where it should",
+    "no_grasp": " and given up, as there was no grasp that the arm could take",
+    "out_of_steps": " until the steps of the episode were spent",
+    "unreachable": " and broken off, as the gripper did not come to where it was to act",
 }
 
 
@@ -108,16 +119,22 @@ def chain(attempt: Attempt, schema: Schema, reasons: Reasons | None = None) -> I
         told = (*reasons.of_selection(attempt), *reasons.of_route(attempt.selected))
         yield from (f"  {sentence}" for sentence in told)
     if attempt.application is not None:
-        application, proposal = attempt.application, attempt.application.proposal
-        moved = f"{len(proposal.changed)} coordinate{'s' if len(proposal.changed) != 1 else ''} of qpos"
-        note = f" ({proposal.note})" if proposal.note else ""
-        offer = f"candidate {proposal.candidate + 1} of `{proposal.proposer}`{note}"
-        change = f"it changes {moved} by {application.displacement:.3g} in all"
-        yield f"Application: {offer} {_MODES[application.mode]}; {change}."
+        yield _applied(attempt.application)
     if attempt.fault:
         yield f"Fault: {attempt.fault}."
     if attempt.verification is not None:
         yield _verified(attempt.verification)
+
+
+def _applied(application: Application) -> str:
+    proposal = application.proposal
+    note = f" ({proposal.note})" if proposal.note else ""
+    text = f"Application: candidate {proposal.candidate + 1} of `{proposal.proposer}`{note} {_MODES[application.mode]}"
+    if application.mode != "controller":
+        moved = f"{len(proposal.changed)} coordinate{'s' if len(proposal.changed) != 1 else ''} of qpos"
+        return f"{text}; it changes {moved} by {application.displacement:.3g} in all."
+    taken = "" if application.steps is None else f" in {application.steps} control steps"
+    return f"{text}{taken}{_ENDS[application.end]}."
 
 
 def _found(diagnosis: Diagnosis, schema: Schema) -> str:

@@ -18,13 +18,13 @@ from onto_compiler.required import Entity, Fact, NativeAtom, Precondition, Requi
 from onto_compiler.schema import local_name
 from onto_compiler.tables import ABSENT
 from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
-from runtime.trace.names import LEVELS, MODES, OUTCOMES, RUNS, SOURCES, inverse
+from runtime.trace.names import ENDS, LEVELS, MODES, OUTCOMES, RUNS, SOURCES, inverse
 
 __all__ = ["episode_iris", "read_episode"]
 
 _PLACE = re.compile(r"(\d+):(\d+)-(\d+):(\d+)")
 _ATOM = re.compile(r"([^(]*)\((.*)\)", re.DOTALL)
-_LEVEL, _MODE, _OUTCOME, _SOURCE = (inverse(table) for table in (LEVELS, MODES, OUTCOMES, SOURCES))
+_END, _LEVEL, _MODE, _OUTCOME, _SOURCE = (inverse(table) for table in (ENDS, LEVELS, MODES, OUTCOMES, SOURCES))
 _TRUE = frozenset(("true", "1"))
 T = TypeVar("T")
 
@@ -274,6 +274,8 @@ def _application(about: _Subject) -> Application:
         proposal=_proposal(about.subject("trace_proposal")),
         mode=about.word("trace_mode", _MODE),
         displacement=about.convert("trace_displacement", float),
+        steps=None if about.text_or_none("trace_controlSteps") is None else about.integer("trace_controlSteps"),
+        end=about.word_or_none("trace_end", _END) or "",
     )
 
 

@@ -28,7 +28,7 @@ from onto_compiler.statements import Statement, describe, link, quads_of
 from onto_compiler.tables import STATUSES
 from runtime.diagnosis import evidence_status
 from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
-from runtime.trace.names import LEVELS, MODES, OUTCOMES, SOURCES, episode_iri, run_iri
+from runtime.trace.names import ENDS, LEVELS, MODES, OUTCOMES, SOURCES, episode_iri, run_iri
 
 __all__ = ["episode_quads"]
 
@@ -260,6 +260,8 @@ def _application(attempt: str, application: Application, routes: Mapping[str, st
         trace_proposal=node(proposal),
         trace_mode=node(MODES[application.mode]),
         trace_displacement=float(application.displacement),
+        trace_controlSteps=application.steps,
+        trace_end=node(ENDS[application.end]) if application.end else None,
     )
     yield from link(iri, _USED, proposal)
     yield from link(iri, _INFORMED, attempt)

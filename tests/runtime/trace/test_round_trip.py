@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from pyoxigraph import NamedNode, RdfFormat, Store, serialize
 
 from onto_compiler.rdf import CORE, PREFIXES, RDF, SKOS
-from runtime.trace.names import LEVELS, MODES, OUTCOMES, SOURCES, episode_iri
+from runtime.trace.names import ENDS, LEVELS, MODES, OUTCOMES, SOURCES, episode_iri
 from runtime.trace.read import read_episode
 from runtime.trace.store import dump
 from runtime.trace.vocabulary import vocabulary
@@ -76,12 +76,12 @@ def test_the_words_for_individuals_are_the_notations_of_the_ontology():
     store = Store()
     store.extend(VOCABULARY)
     checked = 0
-    for table in (LEVELS, MODES, OUTCOMES, SOURCES):
+    for table in (ENDS, LEVELS, MODES, OUTCOMES, SOURCES):
         for word, iri in table.items():
             (quad,) = store.quads_for_pattern(NamedNode(iri), NamedNode(SKOS + "notation"), None, None)
             assert quad.object.value == word
             checked += 1
-    assert checked == 14
+    assert checked == 22
 
 
 @law

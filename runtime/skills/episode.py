@@ -1,0 +1,284 @@
+"""One task and initial state in, one episode that skills played, as the records that every correction loop makes.
+
+A play decides in its own simulation. What is recorded is a second run of its actions, from the same snapshot and before
+a judge: what each attempt saw, and what it led to, is what the judge's state shows.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from grounding.observation import Observation
+from onto_compiler.knowledge import Knowledge
+from onto_compiler.problems import OntoError
+from onto_compiler.required import RequiredABox
+from onto_compiler.schema import local_name
+from onto_compiler.tables import FIRST, REPEAT, SATISFIED, STATUSES
+from runtime.diagnosis import diagnose_goal, evidence_status, unmet
+from runtime.episodes import PREMISE_STEPS
+from runtime.faults import RunFault
+from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
+from runtime.routing import route_or_none
+from runtime.simulator.assets import TaskRef, initial_states
+from runtime.simulator.compiled import CompiledScene
+from runtime.simulator.native import versions
+from runtime.simulator.simulation import Simulation
+from runtime.simulator.snapshot import Snapshot
+from runtime.skills.judges import Judge
+from runtime.skills.order import Step, diagnose_step
+from runtime.skills.play import Played, Try
+
+__all__ = ["Performance", "Plays", "Stage"]
+
+Array = NDArray[np.float64]
+
+# How a mechanism's execution ended, by what a play says of a try; the words of trace:ExecutionEnd.
+_ENDS = {"held": "completed", "unmet": "completed", "horizon": "out_of_steps"}
+_FAULTS = frozenset(("no_grasp", "unreachable", "lost", "missed", "blocked"))
+
+
+class Plays(Protocol):
+    """What plays episodes of one goal; :class:`~runtime.skills.play.Player` does."""
+
+    def reactive(self, sim: Simulation, horizon: int) -> Played:
+        """Play from the present state for at most ``horizon`` control steps, without looking ahead."""
+        ...
+
+    def lookahead(self, sim: Simulation, horizon: int) -> Played:
+        """The same, with rehearsals of each decision in a fork."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Performance:
+    """A recorded episode, and what its judge went through: ``actions`` (n, 7) and ``qpos`` (n + 1, nq).
+
+    Attempt k took the actions from ``bounds[k]`` up to ``bounds[k + 1]``.
+    """
+
+    episode: Episode
+    actions: Array
+    qpos: Array
+    bounds: tuple[int, ...]
+
+
+class _Watched(Simulation):
+    """Remembers the fault that broke a step off: a play ends there and does not say why."""
+
+    fault: RunFault | None = None
+
+    def step(self, action: ArrayLike, glance: Callable[[], object] | None = None) -> None:
+        try:
+            super().step(action, glance)
+        except RunFault as fault:
+            self.fault = fault
+            raise
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """A task's scene on which ``player`` plays and which ``judge`` judges; each episode starts by a state write.
+
+    ``maker`` names in the record whose candidates were carried out.
+    """
+
+    ref: TaskRef
+    required: RequiredABox
+    knowledge: Knowledge
+    scene: CompiledScene
+    player: Plays
+    judge: Judge
+    maker: str = "geometry"
+
+    def perform(
+        self,
+        state_index: int,
+        horizon: int,
+        *,
+        state: ArrayLike | None = None,
+        look_ahead: bool = False,
+        report: Callable[[Attempt], None] | None = None,
+    ) -> Performance:
+        """Start from official initial state ``state_index`` (or a flat ``state``), settle, play, and record.
+
+        ``report`` is called with each attempt as soon as it is recorded.
+
+        Raises:
+            OntoError: ``SIM017``, where the task has no such initial state; ``SIM019``, where it diverges while it
+                settles; ``RUN013``, where the judge's run of the actions is not the play's.
+        """
+        sim = _Watched(self.scene, exact=True)
+        sim.reset_to(self._official(sim, state_index) if state is None else state)
+        try:
+            sim.settle(PREMISE_STEPS)
+        except RunFault as fault:
+            raise OntoError.of("SIM019", f"`{self.ref.name}` diverged while its state settled: {fault}") from fault
+        start = sim.snapshot()
+        played = (self.player.lookahead if look_ahead else self.player.reactive)(sim, horizon)
+        take = _Take(self, played, start, sim.fault, report)
+        take.run()
+        broken = bool(take.attempts and take.attempts[-1].fault)
+        if not broken and not np.array_equal(self.judge.data.qpos, sim.data.qpos):
+            raise _differs(f"it ends with another qpos in the {self.judge.name} run")
+        settings = {
+            "play": "look-ahead" if look_ahead else "reactive",
+            "judge": self.judge.name,
+            "horizon": horizon,
+            "control_steps": len(played.actions),
+            "rehearsed_steps": played.rehearsed,
+        }
+        unmet_premise = evidence_status(self.required.premise, take.premise) != STATUSES.index(SATISFIED)
+        outcome, verification = take.end()
+        episode = Episode(
+            task=self.ref.name,
+            suite=self.ref.suite,
+            state_index=state_index,
+            seed=self.scene.seed,
+            required=self.required,
+            initial=take.initial,
+            premise=take.premise,
+            premise_holds=not unmet_premise.any(),
+            attempts=tuple(take.attempts),
+            final=take.observe(),
+            outcome=outcome,
+            verification=verification,
+            provenance=(*versions().items(), *settings.items()),
+        )
+        return Performance(episode, played.actions[: take.step], np.array(take.qpos), tuple(take.bounds))
+
+    def _official(self, sim: Simulation, state_index: int) -> Array:
+        states = initial_states(self.ref) if self.ref.initial_states.is_file() else sim.flat_state[None]
+        if not 0 <= state_index < len(states):
+            raise OntoError.of(
+                "SIM017", f"`{self.ref.name}` has no initial state {state_index}", f"it has {len(states)}, from 0"
+            )
+        return np.array(states[state_index])
+
+
+@dataclass(slots=True)
+class _Take:
+    """The judge's run of what was played."""
+
+    stage: Stage
+    played: Played
+    start: Snapshot
+    fault: RunFault | None  # of the play
+    report: Callable[[Attempt], None] | None
+    step: int = 0
+    attempts: list[Attempt] = field(default_factory=list)
+    qpos: list[Array] = field(default_factory=list)
+    bounds: list[int] = field(default_factory=lambda: [0])
+    offered: Counter[tuple[bool, int, str]] = field(default_factory=Counter)
+    initial: Observation = field(init=False)
+    premise: Observation = field(init=False)
+    opening: Verification = field(init=False)
+
+    def run(self) -> None:
+        judge = self.stage.judge
+        judge.begin(self.start)
+        self.initial, self.premise = self.observe(), judge.view.premise(judge.data)
+        self.opening = judge.verify()
+        self.qpos.append(np.array(judge.data.qpos))
+        for number, each in enumerate(self.played.tries):
+            broken = str(self.fault) if self.fault is not None and number == len(self.played.tries) - 1 else ""
+            attempt = self._attempt(each, broken)
+            self.attempts.append(attempt)
+            self.bounds.append(self.step)
+            if self.report is not None:
+                self.report(attempt)
+            if attempt.fault:
+                break
+
+    def observe(self) -> Observation:
+        return self.stage.judge.view.facts(self.stage.judge.data, self.step)
+
+    def end(self) -> tuple[str, Verification | None]:
+        """The outcome of the episode, and the last verdict."""
+        if not self.attempts:
+            if self.opening.outcome:
+                return "verified", self.stage.judge.settle(self.opening)
+            return ("unresolved" if self._open() else "grounding_verifier_disagreement"), self.opening
+        last = self.attempts[-1]
+        if last.fault:
+            return "run_fault", last.verification
+        if last.verification is not None and last.verification.outcome:
+            return "accepted", last.verification
+        return ("unresolved" if self._open() else "grounding_verifier_disagreement"), last.verification
+
+    def _open(self) -> bool:
+        return bool(unmet(self.stage.required, self.observe()))
+
+    def _attempt(self, each: Try, broken: str) -> Attempt:
+        judge = self.stage.judge
+        observation = self.observe()
+        diagnoses, selected = self._diagnosed(each, observation)
+        decision = self._routed(selected, each.route)
+        before = np.array(judge.data.qpos)
+        index = len(self.attempts)
+        try:
+            for action in self.played.actions[self.step : self.step + each.steps]:
+                judge.step(action)
+                self.step += 1
+                self.qpos.append(np.array(judge.data.qpos))
+        except RunFault as fault:
+            broken = broken or str(fault)
+        application = self._application(each, decision, float(np.linalg.norm(judge.data.qpos - before)))
+        if broken:
+            return Attempt(index, observation, diagnoses, decision, application, fault=broken)
+        verification = judge.verify()
+        if verification.outcome:
+            verification = judge.settle(verification)
+        return Attempt(index, observation, diagnoses, decision, application, verification)
+
+    def _diagnosed(self, each: Try, observation: Observation) -> tuple[tuple[Diagnosis, ...], Diagnosis]:
+        """What is unmet, and of that what the try was for."""
+        required, knowledge, judge = self.stage.required, self.stage.knowledge, self.stage.judge
+        found = diagnose_goal(required, observation, knowledge.tables)
+        for diagnosis in found:
+            if str(diagnosis.fact) == each.fact:
+                return found, diagnosis
+        for index, condition in enumerate(required.preconditions):
+            if str(condition.fact) == each.fact:
+                seen = judge.view.conditions(judge.data, self.step)
+                chosen = diagnose_step(Step(condition.fact, index, True), required, observation, seen, knowledge)
+                return (*found, chosen), chosen
+        raise _differs(f"`{each.fact}`, which the play acted on, is not unmet in the {judge.name} run")
+
+    def _routed(self, selected: Diagnosis, taken: str) -> RouteDecision:
+        """The decision for the route ``taken``: a retry after a rejection of the same fact, else a dispatch."""
+        asked: list[tuple[str, str | None]] = [(FIRST, None)]
+        before = [each.selected for each in self.attempts if _key(each.selected.diagnosis) == _key(selected)]
+        if before:
+            # A rejected attempt on this fact that others have followed counts only where no dispatch went this way.
+            asked.insert(0 if before[-1] is self.attempts[-1].selected else 1, (REPEAT, before[-1].route))
+        for status, previous in asked:
+            decision = route_or_none(selected, self.stage.knowledge, status, previous, level="action")
+            if decision is not None and local_name(decision.route) == taken:
+                return decision
+        raise _differs(f"no rule sends `{selected.fact}` to `{taken}` there")
+
+    def _application(self, each: Try, decision: RouteDecision, displacement: float) -> Application:
+        name = self.stage.knowledge.schema.routes[decision.route].name
+        key = (*_key(decision.diagnosis), decision.route)
+        proposal = Proposal(name, self.stage.maker, self.offered[key], np.empty(0), (), each.note)
+        self.offered[key] += 1
+        end = _ENDS.get(each.outcome, each.outcome if each.outcome in _FAULTS else "gave_up")
+        return Application(proposal, "controller", displacement, each.steps, end)
+
+
+def _key(diagnosis: Diagnosis) -> tuple[bool, int]:
+    return diagnosis.precondition, diagnosis.index
+
+
+def _differs(how: str) -> OntoError:
+    return OntoError.of(
+        "RUN013",
+        f"the run of the played actions before the judge is another than the play: {how}",
+        "report it with the versions that `onto play --json` prints; `--judge exact` needs no second environment",
+    )

@@ -101,6 +101,7 @@ class _Bench:
             "premise_holds": verdict.premise_holds,
             "initially_true": verdict.initially_true,
             "replayed_same": verdict.same,
+            "grounded": played.holds,
             "tries": [asdict(each) for each in played.tries],
         }
         if play == "reactive":
@@ -132,6 +133,7 @@ def _told(verdict: Verdict) -> Row:
     return {
         "success": verdict.outcome == "success",
         "outcome": verdict.outcome,
+        "accepted": verdict.accepted,
         "settled": verdict.settled,
         "success_step": verdict.success_step,
         "failures": list(verdict.failures),
@@ -171,6 +173,7 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
         "tasks": len(states),
         "states_per_task": min(map(len, states.values()), default=0),
         "replayed_same": sum(row["replayed_same"] for row in whole),
+        "disagreements": sum(row["grounded"] != row["accepted"] for row in whole),
         "premise_false": sum(not row["premise_holds"] for row in whole if row["play"] == "reactive"),
         "initially_true": sum(row["initially_true"] for row in whole if row["play"] == "reactive"),
     }

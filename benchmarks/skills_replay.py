@@ -47,7 +47,8 @@ class Verdict:
     """
 
     outcome: str
-    settled: bool
+    accepted: bool  # natively, after the last action
+    settled: bool  # and after AFTER more steps
     success_step: int | None
     failures: tuple[dict[str, Any], ...]
     premise_holds: bool
@@ -91,7 +92,7 @@ class NativeReplay:
             outcome = "diverged"
         failures = self._typed({"unmet": at_end, "unsettled": after}.get(outcome))
         premise_holds = bool((premise == STATUSES.index(SATISFIED)).all())
-        return Verdict(outcome, ended and stayed, first, failures, premise_holds, initially, same)
+        return Verdict(outcome, ended, ended and stayed, first, failures, premise_holds, initially, same)
 
     def _typed(self, seen: Observation | None) -> tuple[dict[str, Any], ...]:
         """The diagnosis of each fact that is unmet in ``seen``, as JSON."""

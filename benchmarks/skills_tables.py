@@ -29,7 +29,8 @@ def skills_table(result: dict[str, Any]) -> str:
     suites = [suite for suite in SUITES if any(row["suite"] == suite for row in rows)]
     total = (
         f"{m['trials']:,} episodes of {m['tasks']} tasks, {m['states_per_task']} initial states of each; "
-        f"{m['crashed']} crashed. {m['replayed_same']:,} replays end where the exact simulation did, to the last bit. "
+        f"{m['crashed']} crashed. {m['replayed_same']:,} replays end where the exact simulation did, to the last bit, "
+        f"and in {m['disagreements']} the goal as grounded and the native predicate disagree at the end. "
         f"The premise (the declared `:init`, after settling) was false in {m['premise_false']} of the initial states, "
         f"and the goal already true in {m['initially_true']}."
     )

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.skills import SKILLS, before_retry, metrics, untimed
+from benchmarks.skills_tables import skills_table
 
 ON = "on(bowl, plate)"
 UNMET = {"failure": "relation_missing", "fact": ON, "margin": -0.129, "unit": "m", "limit": "xy", "status": "false"}
@@ -32,7 +33,9 @@ def row(suite="libero_goal", task=0, state=40, play="reactive", outcome="success
         "rehearsed": 0 if play == "reactive" else 200,
         "success": success,
         "outcome": outcome,
+        "accepted": outcome != "unmet",
         "settled": success,
+        "grounded": outcome != "unmet",
         "success_step": 70 if success else None,
         "failures": [] if success else [UNMET],
         "premise_holds": True,
@@ -82,8 +85,32 @@ def test_rates_are_of_the_suites_that_were_run_and_a_crash_is_a_failure():
     assert (found["reactive_libero_goal.n"], found["trials"], found["crashed"]) == (4, 6, 1)
     assert found["reactive_libero_goal.low"] < 0.5 < found["reactive_libero_goal.high"]
     assert (found["reactive_libero_goal.steps"], found["first_try_libero_goal.steps"]) == (80, 40)
-    assert (found["tasks"], found["states_per_task"]) == (2, 1)
+    assert (found["tasks"], found["states_per_task"], found["disagreements"]) == (2, 1, 0)
     assert not {"lookahead_libero_10", "reactive_libero_90", "reactive_libero_spatial"} & set(found)
+
+
+def test_a_table_has_every_suite_task_and_failure():
+    rows = [
+        row(state=40, first=False),
+        row(state=41, outcome="unmet", premise_holds=False),
+        crashed(),
+        row(play="lookahead"),
+        row("libero_90", task=7, outcome="held", failures=[]),
+    ]
+    text = skills_table({"rows": rows, "metrics": metrics(rows)})
+    assert "| `libero_goal` | reactive | 3 | 0.333 [0.061, 0.792] | 80 |" in text
+    assert "| `libero_goal` | first try | 3 | 0.000 [0.000, 0.561] | — |" in text
+    assert "| `libero_goal` 0 | task 0 | 0/3 | 1/3 | 1/1 | 80, 80 | 80, 80 | 200 |" in text
+    assert "| `libero_90` 7 | task 7 | 0/1 | 0/1 | — | — | — | — |" in text
+    assert f"| goal false at the end, premise false | `relation_missing` `{ON}` -129 mm (xy) | missed (80) |" in text
+    assert "| `libero_goal` 0 | 42 | reactive | crashed | Boom | none |" in text
+    assert "| `libero_90` 7 | 40 | reactive | not let go | — | missed (80) |" in text
+    assert "3 of 5 episodes failed; unmet facts by kind: 1 `relation_missing` of `on`." in text
+    assert "libero_10" not in text
+
+
+def test_a_table_without_failures_says_so():
+    assert skills_table({"rows": [row()], "metrics": metrics([row()])}).endswith("No episode failed.")
 
 
 def test_times_are_apart_from_what_two_runs_agree_on():
@@ -111,8 +138,11 @@ def bench():
 
 
 @pytest.mark.sim
-def test_an_episode_gives_the_same_row_twice_and_is_replayed_to_the_last_bit(bench):
-    first, again = (bench.row(0, "reactive") for _ in range(2))
+def test_an_episode_gives_the_same_row_whatever_came_before_and_is_replayed_to_the_last_bit(bench):
+    first = bench.row(0, "reactive")
+    other = bench.row(1, "lookahead")
+    again = bench.row(0, "reactive")
+    assert other["rehearsed"] > 0
     assert untimed([first]) == untimed([again])
     assert first["replayed_same"]
     assert first["success"] == (first["outcome"] == "success")

@@ -97,6 +97,6 @@ def _made(demo: Mapping[str, Any]) -> str:
     kinds = Counter(one["kind"] for one in demo["disturbances"])
     words = ", ".join(f"{count} {kind}" if count > 1 else kind for kind, count in kinds.items()) or "undisturbed"
     failed = sum(one["outcome"] != "held" for one in demo["tries"])
-    again = f", {failed} tries failed before" if failed else ""
+    again = f", {failed} failed {'try' if failed == 1 else 'tries'}" if failed else ""
     start = f"state {demo['state_index']}, severity {demo['severity']:.2f}"
     return f", success at {demo['success_step']}; {start}: {words}{again}"

@@ -48,7 +48,7 @@ class TaskCollector:
         self._states = initial_states(ref)[:HELD_OUT]
         scene = compile_scene(ref.bddl, pictures=images)
         self._required: RequiredABox = required_of(ref, knowledge)
-        self._player = Player(scene, self._required, knowledge.schema)
+        self._player = Player(scene, self._required, knowledge)
         self._observer = Observer(scene, (), OBSERVED)
         cameras = tuple(IMAGES.values()) if images else ()
         self._views = Views(scene.model, cameras, (SIZE, SIZE), "opengl", fast=False)

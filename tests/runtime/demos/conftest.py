@@ -1,6 +1,10 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
+
+SAMPLE = Path(__file__).resolve().parents[3] / "docs/examples/put_the_bowl_on_the_plate_demo.hdf5"
 
 
 @pytest.fixture(scope="session")
@@ -11,14 +15,21 @@ def ref():
 
 
 @pytest.fixture(scope="session")
+def sample():
+    """The shipped file: two demonstrations, one with a recovery."""
+    return SAMPLE
+
+
+@pytest.fixture(scope="session")
 def order(ref, tmp_path_factory):
     from runtime.demos.collect import Order
 
-    return Order(ref, 2, 0, tmp_path_factory.mktemp("demos"))
+    return Order(ref, 1, 0, tmp_path_factory.mktemp("demos"))
 
 
 @pytest.fixture(scope="session")
 def collected(order):
+    """One demonstration, made now."""
     from runtime.demos.collect import collect_task
 
     return collect_task(order, wait=True)

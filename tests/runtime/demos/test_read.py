@@ -114,3 +114,33 @@ def test_another_layout_is_named(published, name):
     code, message = fault(published)
     assert code == "DEM002"
     assert words in message
+
+
+def test_the_shipped_file_is_read_with_its_window_records(sample):
+    file = load(sample)
+    assert (file.suite, file.task, len(file.demos)) == ("libero_goal", "put_the_bowl_on_the_plate", 2)
+    for demo in file.demos:
+        assert demo.start.integration.size > demo.states.shape[1]
+        assert {"goal_pos", "goal_ori", "new_update", "torques"} <= set(demo.start.controller)
+        assert demo.start.controller["position_limits"] is None
+        assert demo.origin.intended.shape == demo.actions.shape
+    assert [one["outcome"] for one in file.demos[0].origin.tries] == ["lost", "held"]
+
+
+def test_demonstrations_that_were_read_are_written_as_they_were(sample, tmp_path):
+    from runtime.demos.write import write
+
+    file = load(sample)
+    attributes = {name: value for name, value in file.attributes.items() if name not in {"num_demos", "total"}}
+    write(tmp_path / "again.hdf5", attributes, file.about, file.demos)
+    again = load(tmp_path / "again.hdf5")
+    assert again.attributes == file.attributes
+    assert again.about == file.about
+    for ours, theirs in zip(again.demos, file.demos, strict=True):
+        np.testing.assert_array_equal(ours.states, theirs.states)
+        np.testing.assert_array_equal(ours.start.integration, theirs.start.integration)
+        assert ours.start.clock == theirs.start.clock
+        assert {
+            k: np.array_equal(v, theirs.start.controller[k]) for k, v in ours.start.controller.items()
+        } == dict.fromkeys(theirs.start.controller, True)
+        assert ours.origin.tries == theirs.origin.tries

@@ -10,21 +10,21 @@ h5py = pytest.importorskip("h5py")
 pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("demos")]
 
 
-def test_every_demonstration_succeeds_natively_at_its_own_step_and_without_drift(collected):
+def test_every_demonstration_succeeds_natively_at_its_own_step_and_without_drift(sample):
     from runtime.demos.replay import replay
 
-    found = list(replay(collected.path))
-    assert len(found) == 2
+    found = list(replay(sample))
+    assert [one.recorded for one in found] == [237, 78]
     for one in found:
         assert one.reached == one.recorded > 0
         assert (one.same, one.holds, one.whole, one.drift) == (True, True, True, 0.0)
 
 
-def test_a_replay_tells_when_an_action_is_missing_or_the_record_is_wrong(collected, tmp_path):
+def test_a_replay_tells_when_an_action_is_missing_or_the_record_is_wrong(sample, tmp_path):
     from runtime.demos.replay import replay
 
     path = tmp_path / "put_the_bowl_on_the_plate_demo.hdf5"
-    shutil.copy(collected.path, path)
+    shutil.copy(sample, path)
     with h5py.File(path, "r+") as file:
         file["data/demo_0/actions"][:] = 0.0  # nothing is done
         file["data/demo_1"].attrs["success_step"] += 1
@@ -34,11 +34,11 @@ def test_a_replay_tells_when_an_action_is_missing_or_the_record_is_wrong(collect
     assert (second.reached, second.same) == (second.recorded - 1, False)
 
 
-def test_without_a_window_record_a_replay_starts_from_the_flat_state_and_says_so(collected, tmp_path):
+def test_without_a_window_record_a_replay_starts_from_the_flat_state_and_says_so(sample, tmp_path):
     from runtime.demos.replay import replay
 
     path = tmp_path / "put_the_bowl_on_the_plate_demo.hdf5"
-    shutil.copy(collected.path, path)
+    shutil.copy(sample, path)
     with h5py.File(path, "r+") as file:
         del file["data/demo_1"]
         del file["data/demo_0/start"]
@@ -48,11 +48,11 @@ def test_without_a_window_record_a_replay_starts_from_the_flat_state_and_says_so
     assert found.drift > 0.0
 
 
-def test_a_file_of_another_task_is_refused(collected, tmp_path):
+def test_a_file_of_another_task_is_refused(sample, tmp_path):
     from runtime.demos.replay import replay
 
     path = tmp_path / "demo.hdf5"
-    shutil.copy(collected.path, path)
+    shutil.copy(sample, path)
     with h5py.File(path, "r+") as file:
         file["data"].attrs["bddl_file_content"] += " "
     assert code(lambda: list(replay(path))) == "DEM005"

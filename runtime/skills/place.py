@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from runtime.proposers.geometry import level
 from runtime.proposers.targets import Place
 from runtime.skills.fault import SkillFault
-from runtime.skills.frames import Pose, axis_angle
+from runtime.skills.frames import Pose, axis_angle, rotation_vector
 from runtime.skills.heights import CELL, relief_of, underside
 from runtime.skills.motion import CLOSED, EMPTY, OPEN, Action, grip, reach
 from runtime.skills.pick import Holding
@@ -69,30 +69,32 @@ def cost_of(spot: Spot) -> float:
     return spot.cost
 
 
-def spots(world: World, target: Place, yaw: float, holds: Callable[[Pose], bool], sharing: int = 1) -> list[Spot]:
-    """Where an object comes to rest in its ``target`` when it is let go upright and turned by ``yaw``, the best first.
+def spots(world: World, target: Place, turn: Array, holds: Callable[[Pose], bool], sharing: int = 1) -> list[Spot]:
+    """Where an object comes to rest in its ``target`` when it is let go upright, then turned by ``turn`` (3, 3).
 
-    Upright is along the z of the target's site: a rack holds a bottle along its slope. ``holds`` says whether the
-    required fact is true with the object at a pose. What has a ceiling is entered from the side. Where the fact is true
-    nowhere, all spots from above are given. ``sharing`` objects of this size have to find room in the target.
+    Upright is along the z of the target's site: a rack holds a bottle along its slope. The best come first. ``holds``
+    says whether the required fact is true with the object at a pose; where it is not, there is no spot, but where it is
+    true nowhere in a place without walls, all are given. What has a ceiling is entered from the side. ``sharing``
+    objects of this size have to find room in the target.
     """
     frame, half = _area(world, target)
     body = world.pose(target.subject)
-    upright = _stood(frame.rotation[:, 2]) @ axis_angle(UP, yaw) @ level(body.rotation)
+    upright = _stood(frame.rotation[:, 2]) @ turn @ level(body.rotation)
     cloud = (world.cloud(target.subject) - body.position) @ body.rotation @ upright.T
     around = world.surroundings(target.subject)
     middles = _middles(cloud, frame, half, sharing)
-    found = _resting(cloud, upright, around, frame, half, middles, TURN * abs(yaw))
+    price = TURN * float(np.linalg.norm(rotation_vector(turn)))
+    found = _resting(cloud, upright, around, frame, half, middles, price)
     good = [spot for spot in found if holds(spot.pose.moved(-SUNK * UP))]
     if good or not target.contains:
         return good or found
     top = frame.position[2] + float(np.abs(frame.rotation[2]) @ half)
-    below = _resting(cloud, upright, around[around[:, 2] < top - CELL], frame, half, middles, TURN * abs(yaw))
+    below = _resting(cloud, upright, around[around[:, 2] < top - CELL], frame, half, middles, price)
     inside = [spot for spot in below if holds(spot.pose.moved(-SUNK * UP))]
     some = inside[:: len(inside) // ENTERED + 1]
     near = around[np.abs(around - frame.position).max(axis=1) < AROUND]
     near = near[near[:, 2] < top]
-    return [entered for spot in some for entered in _entered(spot, cloud, near)] or found
+    return [entered for spot in some for entered in _entered(spot, cloud, near)]
 
 
 def cramped(world: World, target: Place, spot: Spot) -> bool:

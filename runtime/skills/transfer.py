@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from runtime.proposers.geometry import align_yaw
 from runtime.proposers.targets import Place
-from runtime.skills.frames import Pose, nearest_twin, wrapped
+from runtime.skills.frames import Pose, axis_angle, nearest_twin, wrapped
 from runtime.skills.grasping import Grasp, Search
 from runtime.skills.motion import Action
 from runtime.skills.pick import APPROACH, alike, grasps_of, pick
@@ -31,6 +31,7 @@ PAIRED = 25  # of those in reach, that are paired with spots
 ENTERED = 40  # spots behind an opening, that are checked for each grasp
 SPOTS = 6  # the best, that are checked for each grasp
 RELEASES = (0.008, 0.02, 0.035, 0.05, 0.07, 0.09)  # metres above the spot, the lowest that leaves the hand room
+QUARTERS = (0.0, np.pi / 2, -np.pi / 2, np.pi)
 YAWS = (0.0, np.pi / 4, -np.pi / 4, np.pi / 2, -np.pi / 2)
 LEANING = 0.6  # at least, of the approach along the way in: the hand stays outside
 LYING = Search(yaws=16, tilts=(0.8, 1.0, 1.2))
@@ -77,8 +78,9 @@ def transfers(
     entity = place_.subject
     body = world.pose(entity)
     targets = [
-        _spread(chain.from_iterable(spots(world, place_, yaw, holds, sharing) for yaw in yaws))
-        for yaws in _turns(world, place_)
+        found
+        for turns in _turns(world, place_)
+        if (found := _spread(chain.from_iterable(spots(world, place_, turn, holds, sharing) for turn in turns)))
     ]
     enclosed = all(spot.entry[2] < 0.5 for found in targets for spot in found)
     for search in (LYING,) if enclosed else (None, TILTED):
@@ -100,12 +102,21 @@ def _spread(found: Iterable[Spot]) -> list[Spot]:
     return ordered[:: max(1, len(ordered) // ENTERED)]
 
 
-def _turns(world: World, place_: Place) -> Iterator[tuple[float, ...]]:
-    """Turns about the vertical (rad) to be tried together: what goes into something is first aligned with its sides."""
-    if place_.site is not None and place_.contains:
-        aligned = align_yaw(world.pose(place_.subject).rotation, world.site_pose(place_.site).rotation)
-        yield tuple(wrapped(aligned + quarter) for quarter in (0.0, np.pi / 2, -np.pi / 2, np.pi))
-    yield from ((yaw,) for yaw in YAWS)
+def _turns(world: World, place_: Place) -> Iterator[tuple[Array, ...]]:
+    """Turns of the upright object to be tried together: what goes into something is first aligned with its sides.
+
+    Last, what is too tall to stand in something is laid down.
+    """
+    inside = place_.site is not None and place_.contains
+    aligned = 0.0
+    if inside:
+        aligned = align_yaw(world.pose(place_.subject).rotation, world.site_pose(str(place_.site)).rotation)
+        yield tuple(axis_angle(UP, wrapped(aligned + quarter)) for quarter in QUARTERS)
+    yield from ((axis_angle(UP, yaw),) for yaw in YAWS)
+    if inside:
+        standing = axis_angle(UP, aligned)
+        sides = (np.array([np.cos(quarter), np.sin(quarter), 0.0]) for quarter in QUARTERS)
+        yield tuple(axis_angle(side, np.pi / 2) @ standing for side in sides)
 
 
 def transfer(world: World, plan: Transfer) -> Generator[Action, None, None]:

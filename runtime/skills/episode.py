@@ -1,7 +1,7 @@
 """One task and initial state in, one episode that skills played, as the records that every correction loop makes.
 
-A play decides in its own simulation. What is recorded is a second run of its actions, from the same snapshot and before
-a judge: what each attempt saw, and what it led to, is what the judge's state shows.
+A play decides in its own simulation, in the exact loop. What is recorded is a second run of its actions, from the same
+snapshot and in LIBERO's own environment: what each attempt saw is grounded there, and LIBERO's predicate decides.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from runtime.simulator.compiled import CompiledScene
 from runtime.simulator.native import versions
 from runtime.simulator.simulation import Simulation
 from runtime.simulator.snapshot import Snapshot
-from runtime.skills.judges import Judge
 from runtime.skills.order import Step, diagnose_step
 from runtime.skills.play import Played, Try
+from runtime.skills.replay import Replay
 
 __all__ = ["Performance", "Plays", "Stage"]
 
@@ -57,7 +57,7 @@ class Plays(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Performance:
-    """A recorded episode, and what its judge went through: ``actions`` (n, 7) and ``qpos`` (n + 1, nq).
+    """A recorded episode, and what it went through: ``actions`` (n, 7) and ``qpos`` (n + 1, nq).
 
     Attempt k took the actions from ``bounds[k]`` up to ``bounds[k + 1]``.
     """
@@ -83,7 +83,7 @@ class _Watched(Simulation):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stage:
-    """A task's scene on which ``player`` plays and which ``judge`` judges; each episode starts by a state write.
+    """A task's scene, which ``player`` plays in and ``replay`` judges; each episode starts by a state write.
 
     ``maker`` names in the record whose candidates were carried out.
     """
@@ -93,7 +93,7 @@ class Stage:
     knowledge: Knowledge
     scene: CompiledScene
     player: Plays
-    judge: Judge
+    replay: Replay
     maker: str = "geometry"
 
     def perform(
@@ -111,7 +111,7 @@ class Stage:
 
         Raises:
             OntoError: ``SIM017``, where the task has no such initial state; ``SIM019``, where it diverges while it
-                settles; ``RUN013``, where the judge's run of the actions is not the play's.
+                settles; ``RUN013``, where the native run of the actions is not the play's.
         """
         sim = _Watched(self.scene, exact=True)
         sim.reset_to(self._official(sim, state_index) if state is None else state)
@@ -124,13 +124,12 @@ class Stage:
         take = _Take(self, played, start, sim.fault, report)
         take.run()
         broken = bool(take.attempts and take.attempts[-1].fault)
-        if not broken and not np.array_equal(self.judge.data.qpos, sim.data.qpos):
-            raise _differs(f"it ends with another qpos in the {self.judge.name} run")
+        if not broken and not np.array_equal(self.replay.qpos, sim.data.qpos):
+            raise _differs("it ends with another qpos")
         settings = {
             "play": "look-ahead" if look_ahead else "reactive",
-            "judge": self.judge.name,
             "horizon": horizon,
-            "control_steps": len(played.actions),
+            "control_steps": self.replay.steps,
             "rehearsed_steps": played.rehearsed,
         }
         unmet_premise = evidence_status(self.required.premise, take.premise) != STATUSES.index(SATISFIED)
@@ -145,12 +144,13 @@ class Stage:
             premise=take.premise,
             premise_holds=not unmet_premise.any(),
             attempts=tuple(take.attempts),
-            final=take.observe(),
+            final=self.replay.observe(),
             outcome=outcome,
             verification=verification,
             provenance=(*versions().items(), *settings.items()),
         )
-        return Performance(episode, played.actions[: take.step], np.array(take.qpos), tuple(take.bounds))
+        actions = played.actions[: self.replay.steps]
+        return Performance(episode, actions, np.array(take.qpos), tuple(take.bounds))
 
     def _official(self, sim: Simulation, state_index: int) -> Array:
         states = initial_states(self.ref) if self.ref.initial_states.is_file() else sim.flat_state[None]
@@ -163,14 +163,13 @@ class Stage:
 
 @dataclass(slots=True)
 class _Take:
-    """The judge's run of what was played."""
+    """The native run of what was played."""
 
     stage: Stage
     played: Played
     start: Snapshot
     fault: RunFault | None  # of the play
     report: Callable[[Attempt], None] | None
-    step: int = 0
     attempts: list[Attempt] = field(default_factory=list)
     qpos: list[Array] = field(default_factory=list)
     bounds: list[int] = field(default_factory=lambda: [0])
@@ -180,75 +179,62 @@ class _Take:
     opening: Verification = field(init=False)
 
     def run(self) -> None:
-        judge = self.stage.judge
-        judge.begin(self.start)
-        self.initial, self.premise = self.observe(), judge.view.premise(judge.data)
-        self.opening = judge.verify()
-        self.qpos.append(np.array(judge.data.qpos))
-        for number, each in enumerate(self.played.tries):
-            broken = str(self.fault) if self.fault is not None and number == len(self.played.tries) - 1 else ""
+        """Go through the actions, and make an attempt of each try."""
+        replay = self.stage.replay
+        replay.begin(self.start)
+        self.initial, self.premise, self.opening = replay.observe(), replay.observe_premise(), replay.verify()
+        self.qpos.append(replay.qpos)
+        for number, each in enumerate(self.played.tries, 1):
+            broken = str(self.fault) if self.fault is not None and number == len(self.played.tries) else ""
             attempt = self._attempt(each, broken)
             self.attempts.append(attempt)
-            self.bounds.append(self.step)
+            self.bounds.append(replay.steps)
             if self.report is not None:
                 self.report(attempt)
             if attempt.fault:
                 break
 
-    def observe(self) -> Observation:
-        return self.stage.judge.view.facts(self.stage.judge.data, self.step)
-
     def end(self) -> tuple[str, Verification | None]:
         """The outcome of the episode, and the last verdict."""
-        if not self.attempts:
-            if self.opening.outcome:
-                return "verified", self.stage.judge.settle(self.opening)
-            return ("unresolved" if self._open() else "grounding_verifier_disagreement"), self.opening
-        last = self.attempts[-1]
-        if last.fault:
-            return "run_fault", last.verification
-        if last.verification is not None and last.verification.outcome:
-            return "accepted", last.verification
-        return ("unresolved" if self._open() else "grounding_verifier_disagreement"), last.verification
-
-    def _open(self) -> bool:
-        return bool(unmet(self.stage.required, self.observe()))
+        last = self.attempts[-1] if self.attempts else None
+        verification = last.verification if last else self.opening
+        if last is not None and last.fault:
+            return "run_fault", verification
+        if verification is not None and verification.outcome:
+            return "accepted" if last else "verified", verification
+        open_ = unmet(self.stage.required, self.stage.replay.observe())
+        return "unresolved" if open_ else "grounding_verifier_disagreement", verification
 
     def _attempt(self, each: Try, broken: str) -> Attempt:
-        judge = self.stage.judge
-        observation = self.observe()
+        replay, index = self.stage.replay, len(self.attempts)
+        observation, before, first = replay.observe(), replay.qpos, replay.steps
         diagnoses, selected = self._diagnosed(each, observation)
         decision = self._routed(selected, each.route)
-        before = np.array(judge.data.qpos)
-        index = len(self.attempts)
         try:
-            for action in self.played.actions[self.step : self.step + each.steps]:
-                judge.step(action)
-                self.step += 1
-                self.qpos.append(np.array(judge.data.qpos))
+            for action in self.played.actions[first : first + each.steps]:
+                replay.step(action)
+                self.qpos.append(replay.qpos)
         except RunFault as fault:
             broken = broken or str(fault)
-        application = self._application(each, decision, float(np.linalg.norm(judge.data.qpos - before)))
-        if broken:
-            return Attempt(index, observation, diagnoses, decision, application, fault=broken)
-        verification = judge.verify()
-        if verification.outcome:
-            verification = judge.settle(verification)
-        return Attempt(index, observation, diagnoses, decision, application, verification)
+        moved = float(np.linalg.norm(replay.qpos - before))
+        end = "" if broken else _ENDS.get(each.outcome, each.outcome if each.outcome in _FAULTS else "gave_up")
+        application = Application(self._proposal(each, decision), "controller", moved, replay.steps - first, end)
+        verification = None if broken else replay.verify()
+        return Attempt(index, observation, diagnoses, decision, application, verification, broken)
 
     def _diagnosed(self, each: Try, observation: Observation) -> tuple[tuple[Diagnosis, ...], Diagnosis]:
         """What is unmet, and of that what the try was for."""
-        required, knowledge, judge = self.stage.required, self.stage.knowledge, self.stage.judge
+        required, knowledge = self.stage.required, self.stage.knowledge
         found = diagnose_goal(required, observation, knowledge.tables)
         for diagnosis in found:
             if str(diagnosis.fact) == each.fact:
                 return found, diagnosis
         for index, condition in enumerate(required.preconditions):
             if str(condition.fact) == each.fact:
-                seen = judge.view.conditions(judge.data, self.step)
-                chosen = diagnose_step(Step(condition.fact, index, True), required, observation, seen, knowledge)
+                step, seen = Step(condition.fact, index, precondition=True), self.stage.replay.observe_conditions()
+                chosen = diagnose_step(step, required, observation, seen, knowledge)
                 return (*found, chosen), chosen
-        raise _differs(f"`{each.fact}`, which the play acted on, is not unmet in the {judge.name} run")
+        raise _differs(f"`{each.fact}`, which the play acted on, is not unmet there")
 
     def _routed(self, selected: Diagnosis, taken: str) -> RouteDecision:
         """The decision for the route ``taken``: a retry after a rejection of the same fact, else a dispatch."""
@@ -263,13 +249,11 @@ class _Take:
                 return decision
         raise _differs(f"no rule sends `{selected.fact}` to `{taken}` there")
 
-    def _application(self, each: Try, decision: RouteDecision, displacement: float) -> Application:
+    def _proposal(self, each: Try, decision: RouteDecision) -> Proposal:
         name = self.stage.knowledge.schema.routes[decision.route].name
         key = (*_key(decision.diagnosis), decision.route)
-        proposal = Proposal(name, self.stage.maker, self.offered[key], np.empty(0), (), each.note)
         self.offered[key] += 1
-        end = _ENDS.get(each.outcome, each.outcome if each.outcome in _FAULTS else "gave_up")
-        return Application(proposal, "controller", displacement, each.steps, end)
+        return Proposal(name, self.stage.maker, self.offered[key] - 1, np.empty(0), (), each.note)
 
 
 def _key(diagnosis: Diagnosis) -> tuple[bool, int]:
@@ -279,6 +263,6 @@ def _key(diagnosis: Diagnosis) -> tuple[bool, int]:
 def _differs(how: str) -> OntoError:
     return OntoError.of(
         "RUN013",
-        f"the run of the played actions before the judge is another than the play: {how}",
-        "report it with the versions that `onto play --json` prints; `--judge exact` needs no second environment",
+        f"the native run of the played actions is another than the play: {how}",
+        "compare the installed versions of mujoco, robosuite and numpy with those in constraints.txt",
     )

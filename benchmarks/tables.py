@@ -22,7 +22,7 @@ from benchmarks.state_repair import METHODS, SUITES
 __all__ = ["TABLES", "fill", "main"]
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = ("README.md", "docs/audit.md", "docs/results.md", "docs/skills.md")
+PAGES = ("README.md", "docs/audit.md", "docs/demos.md", "docs/results.md", "docs/skills.md")
 _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w.-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -101,6 +101,21 @@ def audit_suites(result: dict[str, Any]) -> str:
 def audit_versions(result: dict[str, Any]) -> str:
     """See :func:`benchmarks.audit_tables.versions_table`."""
     return f"{versions_table(result)}\n\n{_origin(result)}"
+
+
+def demos(result: dict[str, Any]) -> str:
+    """One line per suite."""
+    head = ("suite", "demonstrations", "trials", "median steps", "replayed natively to success at the same step")
+    lines = [_row(*head), _row(*["---"] * len(head))]
+    m = result["metrics"]
+    for suite in dict.fromkeys(row["suite"] for row in result["rows"]):
+        numbers = (f"{m[f'{suite}.{name}']:g}" for name in ("demos", "trials", "median_steps"))
+        lines.append(_row(f"`{suite}`", *numbers, f"{m[f'{suite}.replayed_share']:.1%}"))
+    total = (
+        f"{m['demos']} of {m['wanted']} demonstrations of {m['tasks']} tasks; {m['recovered']} hold a recovery from a "
+        f"failed try. The largest difference of a replay to a recorded state is {m['drift']:g}."
+    )
+    return "\n".join([*lines, "", total, "", _origin(result)])
 
 
 def skills(result: dict[str, Any]) -> str:
@@ -278,6 +293,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "compiler": compiler,
     "conformance": conformance,
     "demo": demo,
+    "demos": demos,
     "fuzz": fuzz,
     "grounding": grounding,
     "lsp": lsp,

@@ -30,7 +30,7 @@ from runtime.gym.views import Views
 from runtime.simulator.assets import TaskRef, initial_states
 from runtime.simulator.compiled import compile_scene
 from runtime.simulator.snapshot import Snapshot
-from runtime.skills.play import Player
+from runtime.skills.play import Played, Player
 
 __all__ = ["AFTER", "HELD_OUT", "PAST", "TaskCollector"]
 
@@ -74,10 +74,7 @@ class TaskCollector:
             horizon = horizon_of(self._ref.suite)
             played = self._player.reactive(recorder, horizon)
             if not played.holds:
-                last = played.tries[-1] if played.tries else None
-                return (
-                    f"not done in {len(recorder.actions)} steps: {last.outcome if last else 'no skill offers itself'}"
-                )
+                return f"not done in {len(recorder.actions)} steps: {_why(played)}"
             recorder.calm()
             recorder.settle(PAST)
             recorder.end()
@@ -130,3 +127,9 @@ class TaskCollector:
     def close(self) -> None:
         """Free what drawing took."""
         self._views.close()
+
+
+def _why(played: Played) -> str:
+    """How the last skill ended, or that there was none to go on with."""
+    last = played.tries[-1].outcome if played.tries else "held"
+    return "no skill offers itself" if last == "held" else last

@@ -55,13 +55,13 @@ def _measure(protocol: Protocol, options: argparse.Namespace) -> dict[str, Any]:
 
     from benchmarks.engine import run_protocol  # noqa: PLC0415
     from benchmarks.parts import chosen_trials, joined  # noqa: PLC0415
-    from benchmarks.results import RESULTS, git, made_by, read_result, write_result  # noqa: PLC0415
+    from benchmarks.results import RESULTS, changed, git, made_by, read_result, write_result  # noqa: PLC0415
 
     size = "full" if options.full else "small"
     # Rows are resumed only where the code that made them is the code that runs now.
     commit = git("rev-parse", "--short=12", "HEAD") or "unversioned"
     rows_file = options.out / f"{protocol.name}.{size}.{commit}.jsonl"
-    if git("status", "--porcelain", "--untracked-files=no"):
+    if changed():
         rows_file.unlink(missing_ok=True)
     every = protocol.trials(options.full)
     trials = chosen_trials(protocol, every, options.part)

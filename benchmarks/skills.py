@@ -13,7 +13,6 @@ import statistics
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
-from functools import lru_cache
 from itertools import product
 
 from numpy.typing import ArrayLike
@@ -123,10 +122,16 @@ class _Bench:
         return {"steps": steps, **{name: told[name] for name in ("success", "outcome", "success_step", "failures")}}
 
 
-@lru_cache(maxsize=1)
+_KEPT: dict[tuple[str, int], _Bench] = {}  # what this process works on; trials come task by task
+
+
 def _bench(suite: str, task: int) -> _Bench:
-    """What this process works on; trials come task by task."""
-    return _Bench(suite, task)
+    if (suite, task) not in _KEPT:
+        for other in _KEPT.values():
+            other.native.close()
+        _KEPT.clear()
+        _KEPT[suite, task] = _Bench(suite, task)
+    return _KEPT[suite, task]
 
 
 def _told(verdict: Verdict) -> Row:

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
+import shutil
+import subprocess
 
 import pytest
 
+from benchmarks import results
 from benchmarks.parts import chosen_trials, joined
 from benchmarks.protocol import Protocol
 from benchmarks.results import made_by, read_result, write_result
 from onto_compiler.problems import OntoError
 
+GIT = shutil.which("git") or "git"
 TRIALS = [{"key": f"{suite}/{n}", "suite": suite, "n": n} for suite in ("a", "b", "c") for n in range(2)]
 
 
@@ -66,6 +70,23 @@ def test_a_part_that_runs_again_is_replaced_whole(tmp_path):
     assert [row["value"] for row in record["rows"]] == [1, 1, 2, 2]
     assert record["parts"]["a"]["command"].endswith("1")
     assert record["parts"]["b"]["command"].endswith("2")
+
+
+def test_a_published_part_does_not_make_the_next_one_dirty(tmp_path, monkeypatch):
+    """Results are no code; anything else that differs from the commit counts."""
+    result, code = tmp_path / "benchmarks" / "results" / "parted.json", tmp_path / "code.py"
+    result.parent.mkdir(parents=True)
+    for file in (result, code):
+        file.write_text("1")
+    author = ["-c", "user.name=t", "-c", "user.email=t@example.org"]
+    for command in (["init", "-q"], ["add", "."], [*author, "commit", "-q", "-m", "Begin"]):
+        subprocess.run([GIT, "-C", str(tmp_path), *command], check=True)
+    monkeypatch.setattr(results, "__file__", str(result.parent.parent / "results.py"))
+    assert results.changed() is False
+    result.write_text("2")
+    assert results.changed() is False
+    code.write_text("2")
+    assert results.changed() is True
 
 
 def test_a_whole_run_keeps_nothing(tmp_path):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
 import pytest
 
+from benchmarks import skills
 from benchmarks.skills import SKILLS, before_retry, metrics, untimed
 from benchmarks.skills_tables import skills_table
 
@@ -127,6 +129,23 @@ def test_the_full_protocol_takes_the_states_that_development_did_not_and_the_sma
     assert {trial["state"] for trial in full} == set(range(40, 50))
     assert len(small) == 5 * 2
     assert {trial["state"] for trial in small} == {0}
+
+
+def test_one_task_is_kept_and_its_environment_closed_when_the_next_comes(monkeypatch):
+    """LIBERO's environments hold a quarter of a gigabyte each until they are closed."""
+    closed = []
+
+    class Kept:
+        def __init__(self, suite, task):
+            self.native = SimpleNamespace(close=lambda: closed.append((suite, task)))
+
+    monkeypatch.setattr(skills, "_Bench", Kept)
+    monkeypatch.setattr(skills, "_KEPT", {})
+    first = skills._bench("libero_goal", 0)
+    assert skills._bench("libero_goal", 0) is first
+    assert closed == []
+    assert skills._bench("libero_goal", 1) is not first
+    assert closed == [("libero_goal", 0)]
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,119 @@
+"""What ``onto play`` does: one episode by skills, replayed natively, told, recorded and drawn."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import textwrap
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from rich.console import Console
+
+from onto_compiler.command import CLEAN, FINDINGS, print_json
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.problems import OntoError
+from onto_compiler.schema import Schema
+from runtime.commands.opening import read_state
+from runtime.episodes import required_of
+from runtime.gym.tasks import horizon_of
+from runtime.report.filmstrip import moments, write_film
+from runtime.simulator.assets import named_task
+from runtime.simulator.compiled import compile_scene
+from runtime.simulator.native import NativeTask
+from runtime.simulator.pictures import Camera
+from runtime.skills.episode import Performance, Stage
+from runtime.skills.offers import Carrying
+from runtime.skills.offset_grid import OffsetGrid
+from runtime.skills.play import Player
+from runtime.skills.replay import Replay
+from runtime.summary import episode_summary
+from runtime.trace.narrate import narrate
+from runtime.trace.store import TraceStore
+
+__all__ = ["play"]
+
+_WIDTH = 80
+
+
+def play(options: argparse.Namespace) -> int:
+    """Play, judge, tell and record; exit code 1 when LIBERO did not accept."""
+    with _stage(options) as stage, Console(stderr=True).status("playing"):
+        horizon = horizon_of(stage.ref.suite) if options.horizon is None else options.horizon
+        performance = stage.perform(
+            options.state, horizon, state=read_state(options.state_file), look_ahead=options.look_ahead
+        )
+    episode, schema = performance.episode, stage.knowledge.schema
+    if options.out is not None:
+        _record(options, performance, schema)
+    if options.film is not None:
+        _film(options.film, stage, performance)
+    if options.format == "json":
+        print_json(episode_summary(episode, schema))
+    else:
+        sys.stdout.write("\n".join(_story(performance, schema)) + "\n")
+    return CLEAN if episode.accepted else FINDINGS
+
+
+@contextmanager
+def _stage(options: argparse.Namespace) -> Iterator[Stage]:
+    knowledge, ref = load_knowledge(*options.ontology), named_task(options.task)
+    with Console(stderr=True).status(f"building the scene of {ref.name}"):
+        required = required_of(ref, knowledge, ordered=True)
+        scene = compile_scene(ref.bddl, options.seed)
+        player = Player(scene, required, knowledge)
+        if options.candidates == "offset-grid":
+            grid = OffsetGrid(knowledge.schema)
+            player.skills = {name: grid if isinstance(each, Carrying) else each for name, each in player.skills.items()}
+        replay = Replay(NativeTask.open(ref, options.seed), required, knowledge.schema)
+    with replay:
+        yield Stage(ref, required, knowledge, scene, player, replay, options.candidates.replace("-", "_"))
+
+
+def _record(options: argparse.Namespace, performance: Performance, schema: Schema) -> None:
+    """Write the trace, and beside it the actions: what a replay needs."""
+    episode = performance.episode
+    with TraceStore(options.out / "store", schema, "play", ontology=options.ontology) as store:
+        store.add(episode)
+        store.export_trig(options.out / "trace.trig")
+    path = options.out / "actions" / f"{episode.suite or 'task'}-{episode.task}-{episode.state_index}.npz"
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        np.savez_compressed(path, actions=performance.actions, bounds=performance.bounds, qpos=performance.qpos)
+    except OSError as error:
+        hint = "name a folder that you may write, with space left"
+        raise OntoError.of("TRC001", f"cannot write `{path}`: {error}", hint, str(path)) from error
+
+
+def _film(path: Path, stage: Stage, performance: Performance) -> None:
+    """Draw the moments of the native run from the poses that it went through."""
+    model = compile_scene(stage.ref.bddl, stage.scene.seed, pictures=True).model
+    data = mujoco.MjData(model)
+    shown = moments(performance.actions, performance.bounds)
+    with Camera(model) as camera:
+
+        def shoot(step: int) -> bytes:
+            data.qpos[:] = performance.qpos[step]
+            mujoco.mj_forward(model, data)
+            return camera.shoot(data)
+
+        write_film(path, performance.episode, stage.knowledge.schema, shown, shoot)
+
+
+def _story(performance: Performance, schema: Schema) -> Iterator[str]:
+    """The episode in sentences, in lines of 80 columns where names allow."""
+    episode = performance.episode
+    for line in narrate(episode, schema):
+        indent = " " * (len(line) - len(line.lstrip()) + 2)
+        yield from textwrap.wrap(
+            line, _WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+        ) or [""]
+    settings = dict(episode.provenance)
+    attempts = len(episode.attempts)
+    yield (
+        f"  {settings['control_steps']} of {settings['horizon']} control steps in {attempts} "
+        f"attempt{'' if attempts == 1 else 's'}, {settings['play']} play; {settings['rehearsed_steps']} rehearsed"
+    )

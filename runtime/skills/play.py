@@ -202,29 +202,37 @@ class Player:
         return bool(grounder.truth(sim.data)[step.index]) == step.fact.polarity
 
     def _rehearse(self, episode: _Episode, step: Step, found: Iterator[Plan], candidates: int) -> Plan | None:
-        """Try plans in a fork; the first that leads to the fact and keeps what held, else what came nearest."""
+        """Try plans in a fork, each with the rest of the episode played reactively; the first that reaches the goal.
+
+        Where none does, the one after which least was left to do.
+        """
         fork = Simulation(self.scene, exact=episode.sim.exact)
         start = episode.sim.snapshot()
-        best: tuple[float, Plan] | None = None
+        best: tuple[int, Plan] | None = None
         for plan in islice(found, candidates):
             fork.restore(start)
-            trial = self._begin(fork, episode.horizon - len(episode.actions))
+            trial = self._fork_of(episode, fork)
+            trial.tried[str(step.fact)] += plan.poses
             try:
-                outcome = self._carry_out(trial, plan, step)
+                self._carry_out(trial, plan, step)
+                while len(trial.actions) < trial.horizon and self._act(trial, 1):
+                    pass
             except (_HorizonReached, RunFault):
-                outcome = _OVER
+                pass
             fork.settle(PAUSE)
             episode.rehearsed += len(trial.actions) + PAUSE
-            score = self._score(fork, outcome, len(trial.actions))
-            if best is None or score > best[0]:
-                best = (score, plan)
-            if outcome == "held":
+            left = len(self._steps(fork))
+            if best is None or -left > best[0]:
+                best = (-left, plan)
+            if not left:
                 break
         return best[1] if best else None
 
-    def _score(self, fork: Simulation, outcome: str, steps: int) -> float:
-        """How good a rehearsal ended: by what is left to do, then by whether the skill came through, then by time."""
-        return -len(self._steps(fork)) - (0.5 if outcome != "held" else 0.0) - 1e-4 * steps
+    def _fork_of(self, episode: _Episode, fork: Simulation) -> _Episode:
+        trial = self._begin(fork, episode.horizon - len(episode.actions))
+        trial.tries = list(episode.tries)
+        trial.tried = {fact: list(poses) for fact, poses in episode.tried.items()}
+        return trial
 
     def _request(self, world: World, reach_: Reach, step: Step, tried: Sequence[Pose]) -> SkillRequest:
         sharing = slot_of(self.required, step.fact)[1]

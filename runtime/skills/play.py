@@ -217,9 +217,9 @@ class Player:
                 self._carry_out(trial, plan, step)
                 while len(trial.actions) < trial.horizon and self._act(trial, 1):
                     pass
+                fork.settle(PAUSE)
             except (_HorizonReached, RunFault):
                 pass
-            fork.settle(PAUSE)
             episode.rehearsed += len(trial.actions) + PAUSE
             left = len(self._steps(fork))
             if best is None or -left > best[0]:

@@ -21,6 +21,7 @@ from runtime.demos.disturb import Disturber
 from runtime.demos.proprioception import OBSERVED, proprioception, robot_states
 from runtime.demos.recorder import Recorder
 from runtime.demos.records import IMAGES, Demonstration, Origin
+from runtime.demos.released import Released
 from runtime.diagnosis import unmet
 from runtime.episodes import PREMISE_STEPS, required_of
 from runtime.faults import RunFault
@@ -47,19 +48,20 @@ class TaskCollector:
         self._ref, self._seed, self._model_file = ref, seed, model_file
         self._states = initial_states(ref)[:HELD_OUT]
         scene = compile_scene(ref.bddl, pictures=images)
-        self._required: RequiredABox = required_of(ref, knowledge)
+        self._required: RequiredABox = required_of(ref, knowledge, ordered=True)
         self._player = Player(scene, self._required, knowledge)
         self._observer = Observer(scene, (), OBSERVED)
         cameras = tuple(IMAGES.values()) if images else ()
         self._views = Views(scene.model, cameras, (SIZE, SIZE), "opengl", fast=False)
         self._keys = {f"{camera}_image": key for key, camera in IMAGES.items()} if images else {}
+        self._released = Released(scene.model)
         self._recorder = Recorder(scene, self._look, self._holds)
 
     def collect(self, trial: int) -> Demonstration | str:
         """The demonstration of ``trial`` (from 0), or why it gave none.
 
         It starts from an official initial state that is not held out, and counts where the goal holds at its end and
-        still after :data:`AFTER` steps, the gripper being open all that time.
+        still after :data:`AFTER` steps; the gripper is open all that time, and touches nothing loose at either end.
         """
         index = trial % len(self._states)
         rng = np.random.default_rng([self._seed, zlib.crc32(f"{self._ref.suite}/{self._ref.name}".encode()), trial])
@@ -78,11 +80,11 @@ class TaskCollector:
             recorder.calm()
             recorder.settle(PAST)
             recorder.end()
-            if not self._holds(recorder.data):
-                return f"undone within {PAST} steps"
+            if (wrong := self._lacking(recorder.data)) or not recorder.success_step:
+                return f"after {PAST} steps: {wrong or 'never true'}"
             recorder.settle(AFTER)
-            if not self._holds(recorder.data):
-                return f"undone within {PAST + AFTER} steps"
+            if wrong := self._lacking(recorder.data):
+                return f"after {PAST + AFTER} steps: {wrong}"
         except RunFault as fault:
             return str(fault)
         origin = Origin(
@@ -120,6 +122,12 @@ class TaskCollector:
 
     def _holds(self, data: mujoco.MjData) -> bool:
         return not unmet(self._required, self._player.grounder.observe(data))
+
+    def _lacking(self, data: mujoco.MjData) -> str:
+        """What keeps the present state from being a good end, or nothing."""
+        if not self._holds(data):
+            return "undone"
+        return "" if self._released(data) else "not let go"
 
     def _look(self, data: mujoco.MjData) -> Mapping[str, NDArray[Any]]:
         return {**self._observer.read(data), **self._views.look(data)}

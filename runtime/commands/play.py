@@ -11,7 +11,7 @@ from runtime.commands.options import add_state, add_task
 
 __all__ = ["PLAY"]
 
-_FILMS = (".html", ".png")
+_FILMS = (".html", ".jpg", ".png")
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +35,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "--film",
         type=_film,
         metavar="FILE",
-        help="also draw each attempt before, at grasp and release, and after: .html, .png",
+        help="also draw each attempt before, at grasp and release, and after, as .html, .jpg or .png",
     )
     add_ontology(parser)
     add_format(parser)
@@ -51,7 +51,7 @@ def _steps(text: str) -> int:
 def _film(text: str) -> Path:
     path = Path(text)
     if path.suffix.lower() not in _FILMS:
-        raise argparse.ArgumentTypeError(f"`{text}` ends neither in .html nor in .png")
+        raise argparse.ArgumentTypeError(f"`{text}` ends in none of {', '.join(_FILMS)}")
     return path
 
 

@@ -6,7 +6,7 @@ import argparse
 import sys
 import textwrap
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import mujoco
@@ -14,7 +14,7 @@ import numpy as np
 from rich.console import Console
 
 from onto_compiler.command import CLEAN, FINDINGS, print_json
-from onto_compiler.knowledge import load_knowledge
+from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
 from runtime.commands.opening import read_state
@@ -41,14 +41,18 @@ _WIDTH = 80
 
 def play(options: argparse.Namespace) -> int:
     """Play, judge, tell and record; exit code 1 when LIBERO did not accept."""
-    with _stage(options) as stage, Console(stderr=True).status("playing"):
+    with ExitStack() as stack:
+        # Opened first: a folder that cannot be written is better known before the play.
+        knowledge = load_knowledge(*options.ontology)
+        store = stack.enter_context(_store(options, knowledge.schema)) if options.out is not None else None
+        stage = stack.enter_context(_stage(options, knowledge))
         horizon = horizon_of(stage.ref.suite) if options.horizon is None else options.horizon
-        performance = stage.perform(
-            options.state, horizon, state=read_state(options.state_file), look_ahead=options.look_ahead
-        )
+        state = read_state(options.state_file)
+        with Console(stderr=True).status("playing"):
+            performance = stage.perform(options.state, horizon, state=state, look_ahead=options.look_ahead)
+        if store is not None:
+            _record(options.out, store, performance)
     episode, schema = performance.episode, stage.knowledge.schema
-    if options.out is not None:
-        _record(options, performance, schema)
     if options.film is not None:
         _film(options.film, stage, performance)
     if options.format == "json":
@@ -59,8 +63,8 @@ def play(options: argparse.Namespace) -> int:
 
 
 @contextmanager
-def _stage(options: argparse.Namespace) -> Iterator[Stage]:
-    knowledge, ref = load_knowledge(*options.ontology), named_task(options.task)
+def _stage(options: argparse.Namespace, knowledge: Knowledge) -> Iterator[Stage]:
+    ref = named_task(options.task)
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         required = required_of(ref, knowledge, ordered=True)
         scene = compile_scene(ref.bddl, options.seed)
@@ -73,13 +77,16 @@ def _stage(options: argparse.Namespace) -> Iterator[Stage]:
         yield Stage(ref, required, knowledge, scene, player, replay, options.candidates.replace("-", "_"))
 
 
-def _record(options: argparse.Namespace, performance: Performance, schema: Schema) -> None:
+def _store(options: argparse.Namespace, schema: Schema) -> TraceStore:
+    return TraceStore(options.out / "store", schema, "play", ontology=options.ontology)
+
+
+def _record(out: Path, store: TraceStore, performance: Performance) -> None:
     """Write the trace, and beside it the actions: what a replay needs."""
     episode = performance.episode
-    with TraceStore(options.out / "store", schema, "play", ontology=options.ontology) as store:
-        store.add(episode)
-        store.export_trig(options.out / "trace.trig")
-    path = options.out / "actions" / f"{episode.suite or 'task'}-{episode.task}-{episode.state_index}.npz"
+    store.add(episode)
+    store.export_trig(out / "trace.trig")
+    path = out / "actions" / f"{episode.suite or 'task'}-{episode.task}-{episode.state_index}.npz"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         np.savez_compressed(path, actions=performance.actions, bounds=performance.bounds, qpos=performance.qpos)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from base64 import b64encode
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
@@ -21,12 +21,16 @@ from runtime.records import Episode
 from runtime.report.sections import episode_name
 from runtime.trace.narrate import chain, outcome_sentence
 
-__all__ = ["Frame", "Moment", "film_html", "film_png", "moments", "write_film"]
+__all__ = ["Frame", "Moment", "film_html", "film_picture", "moments", "write_film"]
 
 Array = NDArray[np.float64]
 
 CLOSING = 10  # control steps from the first command to close until the fingers hold
 _BAR, _TEXT = 24, 14  # pixels: the strip's captions, and their letters
+_PICTURES: Mapping[str, tuple[str, dict[str, int]]] = {
+    ".jpg": ("JPEG", {"quality": 82}),
+    ".png": ("PNG", {"optimize": 1}),
+}
 _INK, _PAPER = (25, 25, 25), (250, 250, 248)
 
 
@@ -103,8 +107,8 @@ def _caption(moment: Moment) -> str:
     return f"{moment.name}, step {moment.step}"
 
 
-def film_png(episode: Episode, frames: Sequence[Frame]) -> bytes:
-    """The strip as one picture, of one frame at least: a row for each attempt, with its verdict under it."""
+def film_picture(episode: Episode, frames: Sequence[Frame], suffix: str) -> bytes:
+    """The strip of one frame at least as a ``.png`` or ``.jpg``: a row for each attempt, with its verdict under it."""
     from PIL import Image, ImageDraw, ImageFont  # noqa: PLC0415 - comes with the simulator
 
     rows = [tuple(row) for _, row in groupby(frames, lambda frame: frame.moment.attempt)]
@@ -117,21 +121,23 @@ def film_png(episode: Episode, frames: Sequence[Frame]) -> bytes:
             sheet.paste(Image.open(io.BytesIO(frame.picture)), (left, top))
             draw.text((left + 6, top + height + 4), _told(episode, frame.moment), fill=_INK, font=font)
     buffer = io.BytesIO()
-    sheet.save(buffer, "PNG", optimize=True)
+    kind, how = _PICTURES[suffix]
+    sheet.save(buffer, kind, **how)
     return buffer.getvalue()
 
 
 def write_film(
     path: Path, episode: Episode, schema: Schema, shown: Sequence[Moment], shoot: Callable[[int], bytes]
 ) -> None:
-    """Draw ``shown`` with ``shoot``, which gives a JPEG of the state at a step, into an HTML page or a PNG.
+    """Draw ``shown`` with ``shoot``, which gives a JPEG of the state at a step, into an HTML page or a picture.
 
     Raises:
         OntoError: TRC001, where ``path`` cannot be written.
     """
     frames = [Frame(moment, shoot(moment.step)) for moment in shown]
-    as_png = path.suffix.lower() == ".png"
-    content = film_png(episode, frames) if as_png else film_html(episode, schema, frames).encode("utf-8")
+    suffix = path.suffix.lower()
+    drawn = suffix in _PICTURES
+    content = film_picture(episode, frames, suffix) if drawn else film_html(episode, schema, frames).encode("utf-8")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content)

@@ -60,8 +60,9 @@ def test_a_page_holds_every_picture_and_the_story(tmp_path):
     assert "the native verifier accepts" in text
 
 
-def test_a_png_has_a_row_for_each_attempt(tmp_path):
-    path = tmp_path / "film.png"
+@pytest.mark.parametrize("suffix", [".png", ".jpg"])
+def test_a_picture_has_a_row_for_each_attempt(tmp_path, suffix):
+    path = tmp_path / f"film{suffix}"
     write_film(path, accepted(), SCHEMA, SHOWN, picture)
     width, height = PIL.open(path).size
     assert width == 3 * 64

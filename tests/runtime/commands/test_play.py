@@ -1,0 +1,60 @@
+"""``onto play`` as a person meets it: mistakes, exit codes, and what it leaves behind."""
+
+import json
+
+import numpy as np
+import pytest
+
+from onto_compiler.command import FINDINGS, MISUSE
+from runtime.cli import main
+from runtime.trace.store import open_trace
+
+pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
+
+
+def run(capsys, *arguments):
+    code = main(list(arguments))
+    captured = capsys.readouterr()
+    return code, captured.out, captured.err
+
+
+def test_an_episode_that_is_cut_short_is_told_kept_and_no_success(capsys, tmp_path):
+    out = tmp_path / "out"
+    code, printed, _ = run(capsys, "play", "libero_goal/8", "--horizon", "30", "--json", "--out", str(out))
+    record = json.loads(printed)
+    assert code == FINDINGS
+    assert (record["outcome"], record["accepted"]) == ("unresolved", False)
+    (turn,) = record["history"]
+    assert (turn["mode"], turn["steps"], turn["end"]) == ("controller", 30, "out_of_steps")
+    assert (turn["route"], turn["proposer"]) == ("pick_and_place", "geometry")
+    assert record["provenance"]["control_steps"] == record["provenance"]["horizon"] == 30
+    (kept,) = (out / "actions").glob("libero_goal-put_the_bowl_on_the_plate-0.npz")
+    with np.load(kept, allow_pickle=False) as arrays:
+        assert arrays["actions"].shape == (30, 7)
+        assert len(arrays["qpos"]) == 31
+        assert arrays["bounds"].tolist() == [0, 30]
+    assert len(open_trace(out / "trace.trig").episodes()) == 1
+    code, told, _ = run(capsys, "trace", "show", "1", str(out / "store"))
+    assert "in 30 control steps until the steps of the episode were spent" in " ".join(told.split())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "says"),
+    [
+        (("libero_goal/8", "--horizon", "0"), "CLI002", "of which there must be one at least"),
+        (("libero_goal/8", "--horizon", "soon"), "CLI002", "soon"),
+        (("libero_goal/8", "--film", "strip.gif"), "CLI002", "ends in none of .html, .jpg, .png"),
+        (("libero_goal/8", "--candidates", "random"), "CLI002", "geometry"),
+        (("libero_goal/99",), "SIM012", "10 tasks"),
+        (("libero_goal",), "CLI004", "libero_goal"),
+        (("libero_goal/8", "--out", "file"), "TRC001", "file"),
+    ],
+)
+def test_a_mistake_is_said_before_anything_is_built(capsys, tmp_path, monkeypatch, arguments, code, says):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("")
+    status, out, err = run(capsys, "play", *arguments)
+    assert status == MISUSE
+    assert out == ""
+    assert f"error[{code}]" in err
+    assert says in err

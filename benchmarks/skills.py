@@ -72,7 +72,7 @@ class _Bench:
     def __init__(self, suite: str, task: int) -> None:
         knowledge = load_knowledge()
         ref = find_task(suite, task)
-        required = required_of(ref, knowledge)
+        required = required_of(ref, knowledge, ordered=True)
         scene = compile_scene(ref.bddl, SEED)
         self.name, self.horizon, self.states = ref.name, horizon_of(suite), initial_states(ref)
         self.player = Player(scene, required, knowledge)

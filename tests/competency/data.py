@@ -13,6 +13,7 @@ from tests.runtime.trace import samples
 
 DATA = {
     "disagreements": (samples.disagreement, samples.lost_after_settling, samples.unresolved),
+    "execution-ends": (samples.played, samples.accepted),
     "failure-counts": (samples.accepted, samples.lost_after_settling, samples.negated, samples.disagreement),
     "lineage": (samples.accepted, samples.disagreement, samples.faulted),
     "margins-by-predicate": (samples.accepted, samples.unresolved, samples.faulted),

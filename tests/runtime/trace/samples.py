@@ -12,7 +12,7 @@ from onto_compiler.problems import Span
 from onto_compiler.rdf import BASE, MAN
 from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
 from onto_compiler.schema import local_name
-from onto_compiler.tables import REPEAT
+from onto_compiler.tables import FIRST, REPEAT
 from runtime.diagnosis import diagnose, select
 from runtime.records import Application, Attempt, Episode, Proposal, Verification
 from runtime.routing import route
@@ -145,6 +145,23 @@ def negated():
     start = observed((True, 0.02, "x"), None)
     turn = attempt(0, facts, start, accepted=False)
     return episode("take_the_bowl_off", facts, start, (turn,), start, outcome="unresolved", state=3)
+
+
+def played():
+    """A controller lost the bowl, tried again in the same route, and was accepted."""
+    start, moved = observed((False, -0.4, "xy"), step=0), observed((False, -0.3, "xy"), step=90)
+    turns = []
+    for index, (seen, steps, end) in enumerate(((start, 90, "lost"), (moved, 110, "completed"))):
+        found = diagnose((ON,), seen, KNOWLEDGE.tables)
+        chosen = select(found)
+        before = (REPEAT, turns[-1].selected.route) if turns else (FIRST, None)
+        decision = route(chosen, KNOWLEDGE, *before, level="action")
+        proposal = Proposal(local_name(decision.route), "geometry", index, np.empty(0), (), "grasp 10 mm wide")
+        application = Application(proposal, "controller", 1.2, steps, end)
+        verdict = Verification(QUERY, end == "completed", True if end == "completed" else None, 20 * index)
+        turns.append(Attempt(index, seen, found, decision, application, verdict))
+    final = observed((True, 0.01, "xy"), step=200)
+    return episode("put_the_bowl_on_the_plate", (ON,), start, turns, final, outcome="accepted", state=4)
 
 
 def all_samples():

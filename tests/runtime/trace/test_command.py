@@ -44,6 +44,9 @@ def test_a_named_query_answers_from_the_newest_trace(workplace, capsys):
 @pytest.mark.parametrize("name", sorted(named_queries()))
 def test_every_named_query_is_readable_at_80_columns(workplace, capsys, monkeypatch, name):
     monkeypatch.setenv("COLUMNS", "80")
+    with TraceStore(workplace / "out" / "demo" / "store", samples.SCHEMA, "demo") as store:
+        store.add(samples.played())
+        store.export_trig(workplace / "out" / "demo" / "trace.trig")
     out, _ = onto(capsys, "query", "--named", name)
     body = out.splitlines()[1:]
     assert max(map(len, body)) <= 80 or name == "lineage"

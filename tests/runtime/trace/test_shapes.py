@@ -7,10 +7,10 @@ from onto_compiler.rdf import CORE, RDF, TRACE
 from onto_compiler.shapes import compile_shapes, validate
 from onto_compiler.sources import load_store
 from runtime.trace.write import episode_quads
-from tests.runtime.trace.samples import all_samples
+from tests.runtime.trace.samples import all_samples, played
 from tests.strategies import SCHEMA
 
-SAMPLES = all_samples()
+SAMPLES = (*all_samples(), played())
 TYPE = NamedNode(RDF + "type")
 
 
@@ -21,7 +21,7 @@ def results(episode, damage=lambda quads: quads):
 
 
 def test_there_are_samples():
-    assert len(SAMPLES) >= 6
+    assert len(SAMPLES) >= 7
 
 
 @pytest.mark.parametrize("number", range(len(SAMPLES)))

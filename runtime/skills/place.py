@@ -89,7 +89,8 @@ def spots(world: World, target: Place, turn: Array, holds: Callable[[Pose], bool
     if good or not target.contains:
         return good or found
     top = frame.position[2] + float(np.abs(frame.rotation[2]) @ half)
-    below = _resting(cloud, upright, around[around[:, 2] < top - CELL], frame, half, middles, price)
+    low = around[around[:, 2] < frame.position[2]]  # what it can rest on inside is no ceiling
+    below = _resting(cloud, upright, low, frame, half, middles, price)
     inside = [spot for spot in below if holds(spot.pose.moved(-SUNK * UP))]
     some = inside[:: len(inside) // ENTERED + 1]
     near = around[np.abs(around - frame.position).max(axis=1) < AROUND]

@@ -147,6 +147,8 @@ class Player:
     def _act(self, episode: _Episode, candidates: int) -> bool:
         """Carry out one skill for the first step that has a way; False where nothing is left or can be done."""
         for step in self._steps(episode.sim):
+            if self._true(episode.sim, step):
+                continue  # it will be undone on the way, and is then to be done again
             decision = self._route(episode, step)
             skill = self.skills.get(local_name(decision.route)) if decision else None
             if decision is None or skill is None:

@@ -37,6 +37,7 @@ def test_a_plate_is_slid_with_open_fingers():
 
 
 def test_a_drawer_is_opened_first_and_the_bowl_pulled_out_from_under_it(monkeypatch):
+    from runtime.simulator.simulation import Simulation
     from runtime.skills import pick
 
     ways = []
@@ -46,8 +47,19 @@ def test_a_drawer_is_opened_first_and_the_bowl_pulled_out_from_under_it(monkeypa
         ways.append(way_out(cloud, around))
         return ways[-1]
 
+    class Followed(Simulation):
+        """Keeps where the bowl was."""
+
+        def __init__(self, scene):
+            self.path = []
+            super().__init__(scene)
+
+        def step(self, action, glance=None):
+            super().step(action, glance)
+            self.path.append(self.data.xpos[self.scene.index.root_body(BOWL)].copy())
+
     monkeypatch.setattr(pick, "way_out", seen)
-    stage = staged("libero_goal", 3)
+    stage = staged("libero_goal", 3, kind=Followed)
     assert len(stage.player.required.facts) == 1  # the goal does not name the drawer
     played = stage.player.reactive(stage.sim, 300)
     assert played.holds
@@ -55,6 +67,10 @@ def test_a_drawer_is_opened_first_and_the_bowl_pulled_out_from_under_it(monkeypa
     assert outcomes(played) == ["held", "held"]
     assert "wooden_cabinet_open" in played.tries[0].fact
     assert np.linalg.norm(ways[-1]) >= 0.02
+    away = np.array(stage.sim.path) - stage.sim.path[0]
+    risen = np.argmax(away[:, 2] > 0.03)
+    assert risen > 0
+    assert np.linalg.norm(away[risen, :2]) > 0.8 * np.linalg.norm(ways[-1])
 
 
 def test_a_drawer_is_filled_and_what_leans_in_it_pressed_down_before_it_is_shut(monkeypatch):

@@ -27,6 +27,15 @@ def test_the_corridor_is_as_high_as_what_stands_in_it(cloud, start, goal, radius
     assert height <= cloud[away < radius + 1e-9, 2].max(initial=-np.inf)
 
 
+@pytest.mark.parametrize(("aside", "height"), [(0.069, 1.2), (0.071, -np.inf)])
+@pytest.mark.parametrize("along", [0.0, 0.1, 0.3])
+def test_what_stands_within_the_radius_of_the_way_counts_and_what_stands_beyond_does_not(along, aside, height):
+    from runtime.skills.transit import corridor_height
+
+    start, goal = np.array([0.0, 0.0, 1.0]), np.array([0.3, 0.0, 1.0])
+    assert corridor_height(np.array([[along, aside, 1.2]]), start, goal, 0.07) == height
+
+
 def box(centre, half):
     grid = [np.linspace(-h, h, 16) for h in half]
     return np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 3) + centre

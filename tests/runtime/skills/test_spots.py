@@ -66,8 +66,10 @@ def test_what_is_too_tall_to_stand_in_a_drawer_is_laid_down():
 def test_the_mug_enters_the_microwave_from_sides_that_are_open_and_never_from_above():
     stage = staged("libero_10", 9)
     found = spots_by_turns(stage)[0]
-    assert len(found) >= 20
+    assert len(found) >= 5
     assert all(abs(spot.entry[2]) < 1e-9 for spot in found)
+    holds = stage.holds()
+    assert all(holds(spot.pose.moved(-0.001 * UP)) for spot in found)
     world, place = stage.world, stage.place()
     region, half = world.site_pose(place.site), world.site_half(place.site)
     for spot in found:

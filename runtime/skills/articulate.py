@@ -13,12 +13,12 @@ from runtime.skills import door, drawer, knob
 from runtime.skills.contact import Contact, actuate, reachable
 from runtime.skills.fault import SkillFault
 from runtime.skills.frames import Pose, nearest_twin, turn
-from runtime.skills.joints import Articulation, access, articulations, wider
+from runtime.skills.joints import Articulation, articulations, wider
 from runtime.skills.motion import Action
 from runtime.skills.reach import Reach
 from runtime.skills.world import World
 
-__all__ = ["JointSkill", "access_skills", "joint_skills", "widening_skills"]
+__all__ = ["JointSkill", "joint_skills", "widening_skills"]
 
 SAME, SAME_TURN = 0.008, 0.1  # metres, radians: a contact that differs by less is the same again
 KNOB = 0.08  # metres; what turns and is wider is a door
@@ -53,13 +53,6 @@ def joint_skills(
     What is near one of the poses ``tried`` of the gripper at the part is left out.
     """
     yield from _skills(world, reach_, articulations(world, schema, fact), tried)
-
-
-def access_skills(
-    world: World, reach_: Reach, schema: Schema, fact: Fact, tried: Sequence[Pose] = ()
-) -> Iterator[JointSkill]:
-    """The ways to open what the place of a fact about an object lies in; none when it is open or cannot be shut."""
-    yield from _skills(world, reach_, access(world, schema, fact), tried)
 
 
 def widening_skills(

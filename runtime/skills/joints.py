@@ -14,7 +14,7 @@ from runtime.proposers.targets import place_of, threshold_of
 from runtime.skills.frames import Pose, axis_angle
 from runtime.skills.world import World
 
-__all__ = ["Articulation", "access", "articulation", "articulations", "wider"]
+__all__ = ["Articulation", "articulation", "articulations", "wider"]
 
 Array = NDArray[np.float64]
 
@@ -132,15 +132,6 @@ def articulations(world: World, schema: Schema, fact: Fact) -> list[Articulation
     """
     threshold = threshold_of(schema, fact)
     return [] if threshold is None else _missing(world, fact.native.arguments[0], threshold, polarity=fact.polarity)
-
-
-def access(world: World, schema: Schema, fact: Fact) -> list[Articulation]:
-    """The joints that bar the place that ``fact`` asks an object to be in; one of them has to be opened first.
-
-    A place is barred when its site lies in a drawer, or in a fixture with a door, that does not count as open.
-    """
-    named = _opening(world, schema, fact)
-    return _missing(world, *named, polarity=True) if named else []
 
 
 def wider(world: World, schema: Schema, fact: Fact) -> list[Articulation]:

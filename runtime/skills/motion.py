@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from runtime.skills.frames import Pose, rotation_vector
 from runtime.skills.world import World
 
-__all__ = ["CLOSED", "EMPTY", "OPEN", "Action", "Motion", "action_towards", "close", "follow", "grip", "reach"]
+__all__ = ["CLOSED", "EMPTY", "OPEN", "Action", "Motion", "action_towards", "close", "grip", "reach"]
 
 Array = NDArray[np.float64]
 Action = NDArray[np.float64]
@@ -64,13 +64,6 @@ def reach(
             return away < 2 * near and angle < 2 * turned
         yield action_towards(world, pose, gripper, speed)
     return False
-
-
-def follow(world: World, poses: list[Pose], gripper: float, *, near: float = 0.02) -> Motion:
-    """Pass through ``poses`` without stopping; the last is reached. True when it arrived."""
-    for pose in poses[:-1]:
-        yield from reach(world, pose, gripper, near=near, turned=0.5)
-    return (yield from reach(world, poses[-1], gripper))
 
 
 def grip(world: World, gripper: float, steps: int, pose: Pose | None = None) -> Motion:

@@ -70,9 +70,9 @@ def test_a_fact_about_an_object_has_no_joint_skill(knowledge):
     assert not list(joint_skills(world, Reach(world), knowledge.schema, fact))
 
 
-def test_a_shut_drawer_is_opened_before_something_is_put_in(knowledge):
+def test_a_drawer_is_opened_as_far_as_it_goes_for_what_is_put_in(knowledge):
     from runtime.episodes import required_of
-    from runtime.skills.articulate import access_skills
+    from runtime.skills.articulate import widening_skills
     from runtime.skills.reach import Reach
     from runtime.skills.world import World
 
@@ -81,12 +81,12 @@ def test_a_shut_drawer_is_opened_before_something_is_put_in(knowledge):
     reach = Reach(world)
     fact = required_of(ref, knowledge).facts[0]
     assert fact.native.predicate == "In"
-    first, *_ = candidates = list(access_skills(world, reach, knowledge.schema, fact))
+    first, *_ = candidates = list(widening_skills(world, reach, knowledge.schema, fact))
     drawer = sim.scene.model.joint("wooden_cabinet_1_top_level").qposadr[0]
     assert sim.data.qpos[drawer] == pytest.approx(0.0, abs=1e-3)
-    others = list(access_skills(world, reach, knowledge.schema, fact, [first.contact.pose]))
+    others = list(widening_skills(world, reach, knowledge.schema, fact, [first.contact.pose]))
     assert 0 < len(others) < len(candidates)
     for action in first.run(world, reach):
         sim.step(action)
     assert sim.data.qpos[drawer] < -0.14
-    assert not list(access_skills(world, reach, knowledge.schema, fact))
+    assert not list(widening_skills(world, reach, knowledge.schema, fact))

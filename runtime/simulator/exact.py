@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from runtime.simulator.compiled import CompiledScene
 from runtime.simulator.native_import import control_env, quiet
+from runtime.simulator.snapshot import give_back, held_by
 from runtime.simulator.touch import GRIPPER_SPEED, sides
 
 __all__ = ["ExactStepper"]
@@ -88,16 +89,9 @@ class ExactStepper:
         """Copy the gripper's current action and the controller's state, now or ``before`` the last step."""
         if before:
             return self._before
-        kinds = (np.ndarray, np.generic, float, int, bool, type(None))
-        held = {n: _copy(v) for n, v in vars(self._controller).items() if isinstance(v, kinds)}
-        return self._gripper.copy(), held
+        return self._gripper.copy(), held_by(self._controller)
 
     def put(self, gripper: NDArray[np.float64], controller: Mapping[str, Any]) -> None:
         """Write both back."""
         self._gripper = gripper.copy()
-        for name, value in controller.items():
-            setattr(self._controller, name, _copy(value))
-
-
-def _copy(value: Any) -> Any:  # noqa: ANN401  a number, an array or None
-    return value.copy() if isinstance(value, np.ndarray) else value
+        give_back(self._controller, controller)

@@ -19,19 +19,13 @@ from runtime.simulator import snapshot
 from runtime.simulator.assets import TaskRef
 from runtime.simulator.flat_state import FlatStates
 from runtime.simulator.native_import import control_env, predicate_names, quiet, randomization_error
-from runtime.simulator.snapshot import Snapshot
+from runtime.simulator.simulation import DUMMY_ACTION
+from runtime.simulator.snapshot import BAD_NUMBERS, Snapshot
 
 __all__ = ["DUMMY_ACTION", "NativeTask", "versions"]
 
-DUMMY_ACTION = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)  # no motion, gripper open
-"""The action with which LIBERO's evaluations let a scene settle."""
 PLACEMENTS = 10
 """Samples of a crowded scene that are tried before it counts as impossible."""
-BAD_NUMBERS = (
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-)
 
 
 class NativeTask:

@@ -15,18 +15,14 @@ from onto_compiler.problems import OntoError
 from runtime.faults import RunFault
 from runtime.simulator.compiled import CompiledScene
 from runtime.simulator.flat_state import FlatStates
-from runtime.simulator.snapshot import FULL, Snapshot, check_scene
+from runtime.simulator.snapshot import BAD_NUMBERS, FULL, Snapshot, check_scene
 
 __all__ = ["DUMMY_ACTION", "Simulation", "Stepper"]
 
 DUMMY_ACTION = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)  # no motion, gripper open
+"""The action with which LIBERO's evaluations let a scene settle."""
 ACTION_SIZE = 7
 _LOG = logging.getLogger("onto_evwm.mujoco")
-_WARNINGS = (
-    mujoco.mjtWarning.mjWARN_BADQPOS,
-    mujoco.mjtWarning.mjWARN_BADQVEL,
-    mujoco.mjtWarning.mjWARN_BADQACC,
-)
 
 
 class Stepper(Protocol):
@@ -168,7 +164,7 @@ class Simulation:
         mujoco.mj_setState(model, data, saved.integration, FULL)  # mj_forward moves the warm start
         self._stepper.put(saved.gripper_action, saved.controller)
         self.steps = saved.clock[0]
-        for kind in _WARNINGS:
+        for kind in BAD_NUMBERS:
             data.warning[kind].number = 0
 
     def _move_fixtures(self, saved: Snapshot) -> None:

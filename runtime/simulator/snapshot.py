@@ -18,9 +18,14 @@ from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError
 
-__all__ = ["Snapshot", "check_scene", "identity", "put", "take"]
+__all__ = ["BAD_NUMBERS", "Snapshot", "check_scene", "give_back", "held_by", "identity", "put", "take"]
 
 FULL = mujoco.mjtState.mjSTATE_INTEGRATION
+BAD_NUMBERS = (
+    mujoco.mjtWarning.mjWARN_BADQPOS,
+    mujoco.mjtWarning.mjWARN_BADQVEL,
+    mujoco.mjtWarning.mjWARN_BADQACC,
+)
 # What tells scenes of equal sizes apart. Where the fixtures stand (body_pos) is a part of the state.
 _PARTS = (
     *("body_parentid", "body_mass", "geom_bodyid", "geom_type", "geom_size", "geom_pos"),
@@ -71,7 +76,7 @@ def take(env: Any) -> Snapshot:  # noqa: ANN401  robosuite's untyped environment
         model.body_pos.copy(),
         model.body_quat.copy(),
         np.array(robot.gripper.current_action, dtype=np.float64),
-        _plain(robot.controller),
+        held_by(robot.controller),
         (env.timestep, env.cur_time, env.done),
         identity(model),
     )
@@ -87,15 +92,20 @@ def put(env: Any, saved: Snapshot) -> None:  # noqa: ANN401  robosuite's untyped
     mujoco.mj_forward(model, data)
     mujoco.mj_setState(model, data, saved.integration, FULL)  # mj_forward moves the warm start
     robot.gripper.current_action = saved.gripper_action.copy()
-    for name, value in saved.controller.items():
-        setattr(robot.controller, name, _copy(value))
+    give_back(robot.controller, saved.controller)
     env.timestep, env.cur_time, env.done = saved.clock
 
 
-def _plain(controller: Any) -> dict[str, Any]:  # noqa: ANN401  robosuite's untyped controller
+def held_by(controller: Any) -> dict[str, Any]:  # noqa: ANN401  robosuite's untyped controller
     """The controller's numbers and arrays; its simulator and interpolators are not state."""
     kinds = (np.ndarray, np.generic, float, int, bool, type(None))
     return {name: _copy(value) for name, value in vars(controller).items() if isinstance(value, kinds)}
+
+
+def give_back(controller: Any, held: Mapping[str, Any]) -> None:  # noqa: ANN401  as above
+    """Write back what :func:`held_by` gave."""
+    for name, value in held.items():
+        setattr(controller, name, _copy(value))
 
 
 def _copy(value: Any) -> Any:  # noqa: ANN401  a number, an array or None

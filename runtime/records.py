@@ -73,8 +73,8 @@ class Application:
     """What was done with a proposal: ``mode`` is "none" (a plan only retained), "state" or "controller".
 
     A controller takes control steps of 1/20 s, and its mechanism comes to an ``end``: "completed", "out_of_steps", or
-    what it gave up for ("no_grasp", "unreachable", "lost", "missed", "blocked", "gave_up"). Whether the fact then holds
-    is for the verification to say.
+    what it gave up for ("unreachable", "lost", "missed", "blocked", "gave_up"), with the ``reason`` in its own words.
+    Whether the fact then holds is for the verification to say.
     """
 
     proposal: Proposal
@@ -82,6 +82,7 @@ class Application:
     displacement: float  # L2 norm of the change of qpos
     steps: int | None = None
     end: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)

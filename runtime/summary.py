@@ -99,6 +99,7 @@ def _attempt(attempt: Attempt, schema: Schema) -> dict[str, Any]:
         "mode": application.mode if application else None,
         "steps": application.steps if application else None,
         "end": (application.end or None) if application else None,
+        "reason": (application.reason or None) if application else None,
         "note": (application.proposal.note or None) if application else None,
         "verification": _verification(attempt.verification),
         "fault": attempt.fault or None,

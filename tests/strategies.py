@@ -130,6 +130,7 @@ def attempts(draw, required, index):
             draw(numbers),
             draw(st.none() | st.integers(0, 999)),
             draw(st.sampled_from(("", *ENDS))),
+            draw(texts),
         )
     return Attempt(
         index=index,

@@ -155,6 +155,7 @@ RECORDS: Mapping[str, Record] = {
             "mode": Field("word:mode", TRACE + "mode", null=True),
             "steps": Field("integer", TRACE + "controlSteps", null=True),
             "end": Field("word:end", TRACE + "end", null=True),
+            "reason": Field("string", TRACE + "reason", null=True),
             "note": Field("string", TRACE + "note", null=True),
         },
     ),

@@ -40,7 +40,7 @@ Array = NDArray[np.float64]
 
 # How a mechanism's execution ended, by what a play says of a try; the words of trace:ExecutionEnd.
 _ENDS = {"held": "completed", "unmet": "completed", "horizon": "out_of_steps"}
-_FAULTS = frozenset(("no_grasp", "unreachable", "lost", "missed", "blocked"))
+_FAULTS = frozenset(("unreachable", "lost", "missed", "blocked"))
 
 
 class Plays(Protocol):
@@ -218,7 +218,8 @@ class _Take:
             broken = broken or str(fault)
         moved = float(np.linalg.norm(replay.qpos - before))
         end = "" if broken else _ENDS.get(each.outcome, each.outcome if each.outcome in _FAULTS else "gave_up")
-        application = Application(self._proposal(each, decision), "controller", moved, replay.steps - first, end)
+        proposal, reason = self._proposal(each, decision), "" if broken else each.reason
+        application = Application(proposal, "controller", moved, replay.steps - first, end, reason)
         verification = None if broken else replay.verify()
         return Attempt(index, observation, diagnoses, decision, application, verification, broken)
 

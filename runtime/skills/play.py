@@ -51,7 +51,7 @@ class Try:
     """One skill that was carried out: for which fact, by which route, which candidate, how long, and with what end.
 
     ``outcome`` is ``held`` where the fact was true afterwards, ``unmet`` where it was not, the kind of the
-    :class:`SkillFault`, or ``horizon`` where the episode was over.
+    :class:`SkillFault`, or ``horizon`` where the episode was over. ``reason`` is what the fault said.
     """
 
     fact: str
@@ -60,6 +60,7 @@ class Try:
     note: str
     steps: int
     outcome: str
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -165,14 +166,14 @@ class Player:
         return False
 
     def _record(self, episode: _Episode, step: Step, decision: RouteDecision, plan: Plan) -> None:
-        before, outcome = len(episode.actions), _OVER
+        before, outcome, reason = len(episode.actions), _OVER, ""
         number = 1 + sum(each.fact == str(step.fact) for each in episode.tries)
         try:
-            outcome = self._carry_out(episode, plan, step)
+            outcome, reason = self._carry_out(episode, plan, step)
         finally:
             steps = len(episode.actions) - before
             route = local_name(decision.route)
-            episode.tries.append(Try(str(step.fact), route, number, plan.note, steps, outcome))
+            episode.tries.append(Try(str(step.fact), route, number, plan.note, steps, outcome, reason))
 
     def _route(self, episode: _Episode, step: Step) -> RouteDecision | None:
         """The declared route of the action level for a step: dispatched at first, retried after."""
@@ -188,7 +189,8 @@ class Player:
     def _choose(self, episode: _Episode, step: Step, found: Iterator[Plan], candidates: int) -> Plan | None:
         return next(found, None) if candidates <= 1 else self._rehearse(episode, step, found, candidates)
 
-    def _carry_out(self, episode: _Episode, plan: Plan, step: Step) -> str:
+    def _carry_out(self, episode: _Episode, plan: Plan, step: Step) -> tuple[str, str]:
+        """The outcome, and why where it gave up."""
         world = episode.world
         try:
             episode.drive(plan.run(world, episode.reach))
@@ -196,8 +198,8 @@ class Player:
         except SkillFault as fault:
             episode.drive(grip(world, OPEN, PAUSE))
             episode.drive(reach(world, world.eef.moved(np.array([0.0, 0.0, RECOVERY])), OPEN, steps=15))
-            return fault.kind
-        return "held" if self._true(episode.sim, step) else "unmet"
+            return fault.kind, str(fault)
+        return "held" if self._true(episode.sim, step) else "unmet", ""
 
     def _true(self, sim: Simulation, step: Step) -> bool:
         grounder = self.conditions if step.precondition else self.grounder

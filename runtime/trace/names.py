@@ -30,7 +30,6 @@ ENDS = {
     "gave_up": TRACE + "GaveUp",
     "lost": TRACE + "Lost",
     "missed": TRACE + "Missed",
-    "no_grasp": TRACE + "NoGrasp",
     "out_of_steps": TRACE + "OutOfSteps",
     "unreachable": TRACE + "Unreachable",
 }

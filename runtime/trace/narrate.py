@@ -37,7 +37,6 @@ _ENDS = {
     "gave_up": " and given up",
     "lost": " and broken off, as the fingers held nothing",
     "missed": " and broken off, as what was to be moved did not go where it should",
-    "no_grasp": " and given up, as there was no grasp that the arm could take",
     "out_of_steps": " until the steps of the episode were spent",
     "unreachable": " and broken off, as the gripper did not come to where it was to act",
 }
@@ -134,7 +133,8 @@ def _applied(application: Application) -> str:
         moved = f"{len(proposal.changed)} coordinate{'s' if len(proposal.changed) != 1 else ''} of qpos"
         return f"{text}; it changes {moved} by {application.displacement:.3g} in all."
     taken = "" if application.steps is None else f" in {application.steps} control steps"
-    return f"{text}{taken}{_ENDS[application.end]}."
+    reason = f": {application.reason}" if application.reason else ""
+    return f"{text}{taken}{_ENDS[application.end]}{reason}."
 
 
 def _found(diagnosis: Diagnosis, schema: Schema) -> str:

@@ -276,6 +276,7 @@ def _application(about: _Subject) -> Application:
         displacement=about.convert("trace_displacement", float),
         steps=None if about.text_or_none("trace_controlSteps") is None else about.integer("trace_controlSteps"),
         end=about.word_or_none("trace_end", _END) or "",
+        reason=about.text_or_none("trace_reason") or "",
     )
 
 

@@ -262,6 +262,7 @@ def _application(attempt: str, application: Application, routes: Mapping[str, st
         trace_displacement=float(application.displacement),
         trace_controlSteps=application.steps,
         trace_end=node(ENDS[application.end]) if application.end else None,
+        trace_reason=application.reason or None,
     )
     yield from link(iri, _USED, proposal)
     yield from link(iri, _INFORMED, attempt)

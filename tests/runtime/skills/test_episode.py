@@ -149,19 +149,28 @@ def test_a_horizon_that_is_too_short_ends_unresolved_and_says_so(stage):
     assert attempt.verification.outcome is False
 
 
-def _try(required, steps, outcome="lost", route="pick_and_place"):
+def _try(required, steps, outcome="lost", route="pick_and_place", reason=""):
     from runtime.skills.play import Try
 
-    return Try(str(required.facts[0]), route, 1, "scripted", steps, outcome)
+    return Try(str(required.facts[0]), route, 1, "scripted", steps, outcome, reason)
 
 
-def test_a_mechanism_that_gives_up_leaves_the_task_unresolved(stage):
+def test_a_mechanism_that_gives_up_leaves_the_task_unresolved_and_says_why(stage, knowledge):
+    from runtime.summary import episode_summary
+    from runtime.trace.narrate import narrate
+
     still = np.zeros((8, 7))
-    tries = (_try(stage.required, 3), _try(stage.required, 5, "odd"))
+    tries = (_try(stage.required, 3, reason="the fingers closed beside the mug"), _try(stage.required, 5, "odd"))
     episode = replace(stage, player=Script(tries, still)).perform(2, 100).episode
     assert episode.outcome == "unresolved"
     assert [a.application.end for a in episode.attempts] == ["lost", "gave_up"]
     assert [a.selected.attempt_status for a in episode.attempts] == [FIRST, REPEAT]
+    assert [a.application.reason for a in episode.attempts] == ["the fingers closed beside the mug", ""]
+    told = [line for line in narrate(episode, knowledge.schema) if "Application" in line]
+    assert told[0].endswith("as the fingers held nothing: the fingers closed beside the mug.")
+    assert told[1].endswith("and given up.")
+    history = episode_summary(episode, knowledge.schema)["history"]
+    assert [turn["reason"] for turn in history] == ["the fingers closed beside the mug", None]
 
 
 def test_a_play_that_diverges_is_a_run_fault_and_no_verdict(stage):

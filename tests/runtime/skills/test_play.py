@@ -194,6 +194,7 @@ def test_after_a_fault_another_grasp_is_tried(monkeypatch):
     played = stage.player.reactive(stage.sim, 300)
     assert played.holds
     assert outcomes(played) == ["lost", "held"]
+    assert [each.reason for each in played.tries] == ["on purpose", ""]
     assert [each.candidate for each in played.tries] == [1, 2]
     assert list(skill.requests[1].tried) == list(skill.plans[0].poses)
     assert not alike(skill.plans[0].poses[0], skill.plans[1].poses[0])

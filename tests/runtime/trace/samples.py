@@ -157,7 +157,8 @@ def played():
         before = (REPEAT, turns[-1].selected.route) if turns else (FIRST, None)
         decision = route(chosen, KNOWLEDGE, *before, level="action")
         proposal = Proposal(local_name(decision.route), "geometry", index, np.empty(0), (), "grasp 10 mm wide")
-        application = Application(proposal, "controller", 1.2, steps, end)
+        reason = "the fingers closed beside the bowl" if end == "lost" else ""
+        application = Application(proposal, "controller", 1.2, steps, end, reason)
         verdict = Verification(QUERY, end == "completed", True if end == "completed" else None, 20 * index)
         turns.append(Attempt(index, seen, found, decision, application, verdict))
     final = observed((True, 0.01, "xy"), step=200)

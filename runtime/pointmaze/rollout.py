@@ -2,7 +2,8 @@
 
 One environment step clips each velocity to :data:`~runtime.pointmaze.maze.MAX_SPEED`, holds a force for
 :data:`~runtime.pointmaze.maze.FRAME_SKIP` steps of MuJoCo, and is a function of state and action alone: the solver
-starts cold at each environment step, so that a rollout of ten steps is one of five and then another of five.
+starts cold at each environment step, so that a rollout of ten steps is one of five and then another of five. Where the
+ball is near no wall the step is written out (:mod:`runtime.pointmaze.coast`); MuJoCo takes the others.
 """
 
 from __future__ import annotations
@@ -13,9 +14,13 @@ from mujoco import rollout as batched
 from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError
+from runtime.pointmaze.coast import Coasting
 from runtime.pointmaze.maze import ACTION_DIM, FRAME_SKIP, MAX_SPEED, STATE_DIM, Maze
 
 __all__ = ["Rollout", "checked_actions", "checked_states"]
+
+_LIMIT = 1e9
+"""MuJoCo resets a simulation whose numbers reach ten times this."""
 
 
 class Rollout:
@@ -24,6 +29,7 @@ class Rollout:
     def __init__(self, maze: Maze, threads: int = 1) -> None:
         self.maze = maze
         self._model = maze.model
+        self._coasting = Coasting(maze)
         self._data = [mujoco.MjData(self._model) for _ in range(max(threads, 1))]
         self._pool = batched.Rollout(nthread=threads if threads > 1 else 0)
 
@@ -45,17 +51,25 @@ class Rollout:
         rows, steps = actions.shape[:2]
         found = np.empty((rows, steps + 1, STATE_DIM))
         found[:, 0] = starts
-        begin = np.zeros((rows, 1 + STATE_DIM))  # time, then qpos and qvel
-        held = np.empty((rows, FRAME_SKIP, ACTION_DIM))
-        out = np.empty((rows, FRAME_SKIP, 1 + STATE_DIM))
-        models = [self._model] * rows
-        for step in range(steps if rows else 0):
-            begin[:, 1:3] = found[:, step, :2]
-            np.clip(found[:, step, 2:], -MAX_SPEED, MAX_SPEED, out=begin[:, 3:])
-            held[:] = actions[:, step, None]
-            self._pool.rollout(models, self._data, begin, held, nstep=FRAME_SKIP, state=out, skip_checks=True)
-            found[:, step + 1] = out[:, -1, 1:]
+        begin, following = np.empty((rows, STATE_DIM)), np.empty((rows, STATE_DIM))
+        for step in range(steps):
+            begin[:, :2] = found[:, step, :2]
+            np.clip(found[:, step, 2:], -MAX_SPEED, MAX_SPEED, out=begin[:, 2:])
+            touching = self._coasting.step(begin, actions[:, step], following)
+            if len(touching):
+                following[touching] = self._simulated(begin[touching], actions[touching, step])
+            found[:, step + 1] = following
         return found
+
+    def _simulated(self, states: NDArray[np.float64], actions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """One environment step of MuJoCo from ``states`` (B, 4) with ``actions`` (B, 2), both clipped already."""
+        rows = len(states)
+        begin = np.concatenate([np.zeros((rows, 1)), states], axis=1)  # time, then qpos and qvel
+        held = np.repeat(actions[:, None], FRAME_SKIP, axis=1)
+        out = np.empty((rows, FRAME_SKIP, begin.shape[1]))
+        models = [self._model] * rows
+        self._pool.rollout(models, self._data, begin, held, nstep=FRAME_SKIP, state=out, skip_checks=True)
+        return out[:, -1, 1:]
 
 
 def checked_states(state: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -78,8 +92,9 @@ def _checked(given: NDArray[np.floating], width: int, what: str, expected: str) 
         raise _shape(f"{what} that are no array of numbers", expected) from None
     if found.ndim < 1 or found.shape[-1] != width:
         raise _shape(f"{what} of shape {found.shape}", expected)
-    if not np.isfinite(found).all():
-        bad = int(np.count_nonzero(~np.isfinite(found)))
+    usable = np.abs(found) < _LIMIT
+    if not usable.all():
+        bad = int(np.count_nonzero(~usable))
         raise OntoError.of(
             "PMZ004", f"{bad} of {found.size} numbers in the {what} are not finite", f"expected {what} {expected}"
         )

@@ -105,6 +105,7 @@ def test_nothing_to_roll_out_gives_the_starts(shape):
         (np.array(["x"] * 4), np.zeros((1, 5, 2)), "PMZ003"),
         (np.array([0.8, np.nan, 0, 0]), np.zeros((1, 5, 2)), "PMZ004"),
         (np.array([0.8, 0.8, 0, 0]), np.full((1, 5, 2), np.inf), "PMZ004"),
+        (np.array([0.8, 1e12, 0, 0]), np.zeros((1, 5, 2)), "PMZ004"),
     ],
 )
 def test_what_cannot_be_rolled_out_is_refused_before_anything_runs(state, actions, code):

@@ -8,6 +8,7 @@ from statistics import median
 from typing import Any
 
 from benchmarks.audit import FALSE
+from benchmarks.markdown import table
 
 __all__ = ["audit_table", "suites_table", "versions_table"]
 
@@ -36,53 +37,54 @@ def audit_table(result: dict[str, Any]) -> str:
     tasks: dict[Task, list[Row]] = defaultdict(list)
     for row in states:
         tasks[row["suite"], row["task"], row["name"]].append(row)
-    lines = [_row("task", "initial fact that is false", "states", "median margin", "decided by"), _row(*["---"] * 5)]
+    false = []
     for (suite, index, _), rows in tasks.items():
         for subject, failures in sorted(_by_subject(rows, FALSE).items()):
             margins = [failure["margin"] for failure in failures if failure["margin"] is not None]
             margin = f"{median(margins) * 1000:+.0f} mm" if margins and failures[0]["unit"] == "m" else "—"
             limits = ", ".join(sorted({failure["limit"] for failure in failures}))
-            lines.append(_row(f"`{suite}` {index}", f"`{subject}`", f"{len(failures)} of {len(rows)}", margin, limits))
+            false.append((f"`{suite}` {index}", f"`{subject}`", f"{len(failures)} of {len(rows)}", margin, limits))
     total = (
         f"{m['tasks']} tasks, {m['states']:,} initial states: in {m['premise_false_states']} states of "
         f"{m['premise_false_tasks']} tasks an initial fact is false; {m['sound_states']:,} states show no failure of "
         f"any kind; {m['faults']} facts, states or tasks could not be audited and {m['crashed']} trials crashed."
     )
     shown = [kind for kind in KINDS if m.get(f"{kind}.states")]
-    lines += [
-        "",
-        total,
-        "",
-        "States of each task that show a failure, by kind; kinds that no state shows are left out:",
-        "",
-    ]
-    lines += [_row("task", "", *(KINDS[kind] for kind in shown)), _row(*["---"] * (2 + len(shown)))]
+    kinds = []
     for (suite, index, name), rows in tasks.items():
         counts = (sum(any(f["kind"] == kind for f in row["failures"]) for row in rows) for kind in shown)
-        lines.append(_row(f"`{suite}` {index}", name.replace("_", " "), *(str(n) if n else "" for n in counts)))
-    sums = (f"{m[f'{kind}.states']} in {m[f'{kind}.tasks']} tasks" for kind in shown)
-    lines.append(_row("all", "", *sums))
-    return "\n".join(lines)
+        kinds.append((f"`{suite}` {index}", name.replace("_", " "), *(str(n) if n else "" for n in counts)))
+    kinds.append(("all", "", *(f"{m[f'{kind}.states']} in {m[f'{kind}.tasks']} tasks" for kind in shown)))
+    parts = (
+        table(("task", "initial fact that is false", "states", "median margin", "decided by"), false),
+        total,
+        "States of each task that show a failure, by kind; kinds that no state shows are left out:",
+        table(("task", "", *(KINDS[kind] for kind in shown)), kinds),
+    )
+    return "\n\n".join(parts)
 
 
 def suites_table(result: dict[str, Any]) -> str:
     """The suites whose task could not be audited, then those with a failure."""
     m = result["metrics"]
     rows = [row for row in result["rows"] if "crashed" not in row]
-    lines = [_row("suite", "what could not be audited, in its first task"), _row(*["---"] * 2)]
-    for row in rows:
-        lines += [_row(f"`{row['suite']}`", f"{fault['code']}: {fault['message']}") for fault in row["faults"]]
-    lines += ["", _row("suite", "failure in the first initial state of its first task"), _row(*["---"] * 2)]
+    faults = [(f"`{row['suite']}`", f"{fault['code']}: {fault['message']}") for row in rows for fault in row["faults"]]
+    failures = []
     for row in rows:
         told = [f"{KINDS[f['kind']]} `{f['subject']}`" for f in row["failures"] if f["kind"] != SUNK]
         sunk = sum(f["kind"] == SUNK for f in row["failures"])
         told += [f"{sunk} {KINDS[SUNK]}"] if sunk else []
-        lines += [_row(f"`{row['suite']}`", "; ".join(told))] if told else []
+        failures += [(f"`{row['suite']}`", "; ".join(told))] if told else []
     total = (
         f"{m['audited_suites']} of {m['suites']} suites were audited. {m['official_suites']} ship initial states; for "
         f"the others a seeded reset stands. {m['crashed']} trials crashed."
     )
-    return "\n".join([*lines, "", total])
+    parts = (
+        table(("suite", "what could not be audited, in its first task"), faults),
+        table(("suite", "failure in the first initial state of its first task"), failures),
+        total,
+    )
+    return "\n\n".join(parts)
 
 
 def versions_table(result: dict[str, Any]) -> str:
@@ -97,20 +99,18 @@ def versions_table(result: dict[str, Any]) -> str:
             if failure["kind"] == FALSE:
                 counts[task, failure["subject"]][row["mujoco"]].add(row["state"])
                 margins[task, failure["subject"], row["mujoco"]].append(failure["margin"] or 0.0)
-    lines = [
-        _row("task", "initial fact", *(f"false under {v}" for v in versions)),
-        _row(*["---"] * (2 + len(versions))),
-    ]
+    lines = []
     differing = [(key, found) for key, found in counts.items() if len({frozenset(found[v]) for v in versions}) > 1]
     for (task, subject), found in sorted(differing):
         cells = (
             f"{len(found[v])} ({median(margins[task, subject, v]) * 1000:+.0f} mm)" if found[v] else "0"
             for v in versions
         )
-        lines.append(_row(f"`{task[0]}` {task[1]}", f"`{subject}`", *cells))
+        lines.append((f"`{task[0]}` {task[1]}", f"`{subject}`", *cells))
     m = result["metrics"]
     each = "; ".join(f"{m[f'{v}.premise_false_states']} of {m[f'{v}.states']:,} under {v}" for v in versions)
-    return "\n".join([*lines, "", f"States with a false initial fact: {each}."])
+    heads = ("task", "initial fact", *(f"false under {v}" for v in versions))
+    return f"{table(heads, lines)}\n\nStates with a false initial fact: {each}."
 
 
 def _by_subject(rows: Iterable[Row], kind: str) -> dict[str, list[dict[str, Any]]]:
@@ -120,7 +120,3 @@ def _by_subject(rows: Iterable[Row], kind: str) -> dict[str, list[dict[str, Any]
             if failure["kind"] == kind:
                 found[failure["subject"]].append(failure)
     return found
-
-
-def _row(*cells: str) -> str:
-    return f"| {' | '.join(cells)} |"

@@ -8,6 +8,7 @@ from collections import Counter, defaultdict
 from collections.abc import Sequence
 from typing import Any
 
+from benchmarks.markdown import rate, table
 from benchmarks.skills import FIRST_TRY, PLAYS, SUITES, succeeded
 from runtime.trace.narrate import amount
 
@@ -34,20 +35,18 @@ def skills_table(result: dict[str, Any]) -> str:
         f"The premise (the declared `:init`, after settling) was false in {m['premise_false']} of the initial states, "
         f"and the goal already true in {m['initially_true']}."
     )
-    parts = [_by_suite(suites, m), total, _by_task(rows), _failures(rows)]
-    return "\n\n".join(part for part in parts if part)
+    return "\n\n".join((_by_suite(suites, m), total, _by_task(rows), _failures(rows)))
 
 
 def _by_suite(suites: Sequence[str], m: dict[str, float]) -> str:
-    lines = [_row("suite", "", "episodes", "success [95 %]", "median steps"), _row(*["---"] * 5)]
+    lines = []
     for suite in suites:
         for play, shown in SHOWN.items():
             name = f"{play}_{suite}"
             if name in m:
-                rate = f"{m[name]:.3f} [{m[f'{name}.low']:.3f}, {m[f'{name}.high']:.3f}]"
                 steps = f"{m[f'{name}.steps']:.0f}" if f"{name}.steps" in m else "—"
-                lines.append(_row(f"`{suite}`", shown, str(m[f"{name}.n"]), rate, steps))
-    return "\n".join(lines)
+                lines.append((f"`{suite}`", shown, str(m[f"{name}.n"]), rate(m, name), steps))
+    return table(("suite", "", "episodes", "success [95 %]", "median steps"), lines)
 
 
 def _by_task(rows: Sequence[Row]) -> str:
@@ -56,7 +55,7 @@ def _by_task(rows: Sequence[Row]) -> str:
     for row in rows:
         tasks[row["suite"], row["task"]].append(row)
     heads = ("task", "", *SHOWN.values(), "steps, reactive", "steps, look-ahead", "rehearsed")
-    lines = [_row(*heads), _row(*["---"] * len(heads))]
+    lines = []
     for (suite, index), some in tasks.items():
         name = next((row["name"] for row in some if "name" in row), "").replace("_", " ")
         counts, steps, rehearsed = [], [], "—"
@@ -69,39 +68,32 @@ def _by_task(rows: Sequence[Row]) -> str:
                 steps.append(f"{statistics.median(used):.0f}, {max(used)}" if used else "—")
             if play == "lookahead" and (whole := [row["rehearsed"] for row in of_play if "crashed" not in row]):
                 rehearsed = f"{statistics.median(whole):.0f}"
-        lines.append(_row(f"`{suite}` {index}", name, *counts, *steps, rehearsed))
+        lines.append((f"`{suite}` {index}", name, *counts, *steps, rehearsed))
     note = "Steps are control steps of successful episodes, median and largest; *rehearsed* those in forks, median."
-    return "\n".join([*lines, "", note])
+    return f"{table(heads, lines)}\n\n{note}"
 
 
 def _failures(rows: Sequence[Row]) -> str:
     failed = [row for row in rows if not row.get("success")]
     if not failed:
         return "No episode failed."
-    heads = ("task", "state", "", "what failed", "typed record", "tries")
-    lines = [_row(*heads), _row(*["---"] * len(heads))]
+    lines = []
     for row in failed:
         what = "crashed" if "crashed" in row else OUTCOMES[row["outcome"]]
         if not row.get("premise_holds", True):
             what += ", premise false"
         record = "; ".join(map(_typed, row.get("failures", ()))) or row.get("crashed", "").replace("|", "\\|") or "—"
         tries = ", ".join(f"{each['outcome']} ({each['steps']})" for each in row.get("tries", ())) or "none"
-        lines.append(
-            _row(f"`{row['suite']}` {row['task']}", str(row["state"]), SHOWN[row["play"]], what, record, tries)
-        )
+        lines.append((f"`{row['suite']}` {row['task']}", str(row["state"]), SHOWN[row["play"]], what, record, tries))
     kinds = Counter(
         (each["failure"], each["fact"].partition("(")[0]) for row in failed for each in row.get("failures", ())
     )
     sums = ", ".join(f"{count} `{failure}` of `{predicate}`" for (failure, predicate), count in kinds.most_common())
     note = f"{len(failed)} of {len(rows):,} episodes failed" + (f"; unmet facts by kind: {sums}." if sums else ".")
-    return "\n".join([note, "", *lines])
+    return f"{note}\n\n{table(('task', 'state', '', 'what failed', 'typed record', 'tries'), lines)}"
 
 
 def _typed(failure: Row) -> str:
     margin = math.nan if failure["margin"] is None else failure["margin"]
     limit = f" ({failure['limit']})" if failure["limit"] else ""
     return f"`{failure['failure']}` `{failure['fact']}` {amount(margin, failure['unit'])}{limit}"
-
-
-def _row(*cells: str) -> str:
-    return f"| {' | '.join(cells)} |"

@@ -1,0 +1,1 @@
+"""World models whose predictions are grounded into facts: encoders, checkpoints, networks (extra ``learn``)."""

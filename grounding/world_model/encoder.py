@@ -1,0 +1,91 @@
+"""Pictures to features by a frozen encoder, which is looked up by name.
+
+A name is that of a registered family and, where it takes some, options after colons: ``lite0``, ``lite0:block4``,
+``lite0:block7:96``. Any installed package can register a family: an entry point in group ``onto_evwm.encoders`` that
+loads a :data:`Factory`. It need not use torch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from onto_compiler.problems import OntoError, clipped, near
+
+__all__ = ["DEFAULT", "GROUP", "Encoder", "Factory", "Features", "Pictures", "checked", "encoder", "registered"]
+
+GROUP = "onto_evwm.encoders"
+DEFAULT = "lite0"
+
+Pictures = NDArray[np.uint8]  # (N, S, S, 3): rows from the top, RGB
+Features = NDArray[np.float32]  # (N, D)
+
+
+class Encoder(Protocol):
+    """A function of a picture alone: no state, no gradient, the same features for the same picture."""
+
+    @property
+    def name(self) -> str:
+        """The full name, with all options."""
+
+    @property
+    def size(self) -> int:
+        """S: how many pixels wide and high a picture is."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The form of one picture's features before they are laid out flat; its product is D."""
+
+    @property
+    def identity(self) -> str:
+        """Changes when the features may: a digest of the name and of the weights."""
+
+    def encode(self, pictures: Pictures) -> Features:
+        """Features (N, D), finite, of ``pictures`` (N, S, S, 3); N may be zero.
+
+        Raises:
+            OntoError: ``WM009``, where the pictures have another form (:func:`checked`).
+        """
+
+
+Factory = Callable[[Sequence[str], str], Encoder]
+"""Options and device (``cpu``, ``cuda``, ``cuda:1``) to an encoder; raises ``WM007`` for an option it does not know."""
+
+
+@cache
+def registered() -> dict[str, EntryPoint]:
+    """The registered families by name, none of them imported yet."""
+    return {point.name: point for point in sorted(entry_points(group=GROUP), key=lambda point: point.name)}
+
+
+def encoder(name: str = DEFAULT, device: str = "cpu") -> Encoder:
+    """The encoder called ``name``, with its weights on ``device``.
+
+    Raises:
+        OntoError: ``WM007`` for an unknown name or option, ``WM008`` where its weights cannot be had.
+    """
+    family, *options = name.split(":")
+    point = registered().get(family)
+    if point is None:
+        known = ", ".join(f"`{each}`" for each in registered())
+        message = f"`{clipped(family)}` is not an encoder; there are {known}"
+        raise OntoError.of("WM007", message, near(family, registered()))
+    make: Factory = point.load()
+    return make(options, device)
+
+
+def checked(pictures: NDArray[Any], size: int, name: str) -> Pictures:
+    """``pictures``, if they are uint8 (N, ``size``, ``size``, 3); raises ``WM009`` where they are not."""
+    if pictures.dtype != np.uint8 or pictures.shape[1:] != (size, size, 3):
+        message = (
+            f"`{name}` reads pictures uint8 (N, {size}, {size}, 3), and was given {pictures.dtype} {pictures.shape}"
+        )
+        raise OntoError.of(
+            "WM009", message, "pictures are RGB bytes of the encoder's `size`, stacked along the first axis"
+        )
+    return pictures

@@ -1,0 +1,70 @@
+"""An encoder that is a torch network: pictures go through in small batches, features come back as numpy arrays."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from grounding.world_model.checkpoint import checksum
+from grounding.world_model.encoder import Features, Pictures, checked
+from onto_compiler.problems import OntoError
+
+__all__ = ["FrozenNetwork", "parse_options"]
+
+
+@dataclass(frozen=True, eq=False)
+class FrozenNetwork:
+    """An :class:`~grounding.world_model.encoder.Encoder` around ``network``.
+
+    ``network`` maps float32 (B, 3, S, S) with values from 0 to 255 to (B, D). ``batch`` is how many pictures it is
+    given at once: on a CPU a batch whose activations fit the cache is several times as fast as a large one.
+    """
+
+    name: str
+    size: int
+    shape: tuple[int, ...]
+    network: torch.nn.Module
+    device: str
+    batch: int
+
+    def __post_init__(self) -> None:
+        self.network.eval().requires_grad_(requires_grad=False).to(self.device, memory_format=torch.channels_last)
+
+    @property
+    def identity(self) -> str:
+        """A SHA-256 over the name and the weights in use."""
+        return hashlib.sha256(f"{self.name} {checksum(self.network.state_dict())}".encode()).hexdigest()
+
+    def encode(self, pictures: Pictures) -> Features:
+        """Features (N, D) of ``pictures`` (N, S, S, 3); raises ``WM009`` where they have another form."""
+        given = torch.from_numpy(np.ascontiguousarray(checked(pictures, self.size, self.name)))
+        features = np.empty((len(given), int(np.prod(self.shape))), dtype=np.float32)
+        with torch.inference_mode():
+            for start in range(0, len(given), self.batch):
+                part = given[start : start + self.batch].to(self.device).permute(0, 3, 1, 2)
+                found = self.network(part.to(torch.float32, memory_format=torch.channels_last))
+                features[start : start + self.batch] = found.cpu().numpy()
+        return features
+
+
+def parse_options(family: str, options: Sequence[str], kinds: Sequence[str], sizes: range) -> tuple[str, int | None]:
+    """The kind of features (one of ``kinds``; the first where none is given) and the size among ``options``.
+
+    Raises:
+        OntoError: ``WM007`` where an option is neither of ``kinds`` nor a size of ``sizes``.
+    """
+    kind, size = "", None
+    for option in options:
+        if option in kinds and not kind:
+            kind = option
+        elif option.isascii() and option.isdigit() and len(option) < 5 and int(option) in sizes and size is None:
+            size = int(option)
+        else:
+            message = f"`{option}` is not an option of the encoder `{family}`"
+            many = f"from {sizes.start} to {sizes[-1]} in steps of {sizes.step}"
+            raise OntoError.of("WM007", message, f"`{family}:KIND:SIZE` has the kinds {', '.join(kinds)}; sizes {many}")
+    return kind or kinds[0], size

@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 
-from onto_compiler.problems import OntoError
+from tests.faults import fault
 
 pytestmark = pytest.mark.sim
 TASK = "libero_goal/put_the_bowl_on_the_stove"
@@ -35,12 +35,6 @@ def run(env, actions, **start):
     observed = [env.reset(**start)[0]]
     observed += [env.step(action)[0] for action in actions]
     return observed
-
-
-def fault(act, *args, **kwargs):
-    with pytest.raises(OntoError) as caught:
-        act(*args, **kwargs)
-    return caught.value.problems[0]
 
 
 def test_gymnasium_s_own_checker_is_content(env):

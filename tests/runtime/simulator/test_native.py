@@ -3,32 +3,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from onto_compiler.problems import OntoError
 from onto_compiler.required import NativeAtom
+from tests.faults import fault
 
 pytestmark = pytest.mark.sim
-
-
-@pytest.fixture(scope="module")
-def ref():
-    from runtime.simulator.assets import find_task
-
-    return find_task("libero_goal", "put_the_bowl_on_the_stove")
-
-
-@pytest.fixture(scope="module")
-def state(ref):
-    from runtime.simulator.assets import initial_states
-
-    return initial_states(ref)[3]
-
-
-@pytest.fixture(scope="module")
-def native(ref):
-    from runtime.simulator.native import NativeTask
-
-    with NativeTask.open(ref, seed=5) as task:
-        yield task
 
 
 @pytest.fixture(scope="module")
@@ -42,13 +20,6 @@ def run(native, actions):
     return native.data.qpos.copy()
 
 
-def fault(call, *arguments):
-    with pytest.raises(OntoError) as caught:
-        call(*arguments)
-    (problem,) = caught.value.problems
-    return problem
-
-
 def test_a_rollout_equals_the_plain_environment_s(ref, native, state, actions):
     from runtime.simulator.native import DUMMY_ACTION
     from runtime.simulator.native_import import control_env
@@ -56,7 +27,7 @@ def test_a_rollout_equals_the_plain_environment_s(ref, native, state, actions):
     plain = control_env()(
         bddl_file_name=str(ref.bddl), use_camera_obs=False, has_renderer=False, has_offscreen_renderer=False
     )
-    plain.seed(5)
+    plain.seed(0)
     plain.reset()
     plain.set_init_state(state)
     for _ in range(10):
@@ -104,7 +75,7 @@ def test_a_seed_fixes_the_fixtures_and_leaves_the_global_generator_alone(ref, na
 
     np.random.seed(123)  # noqa: NPY002  the global generator is what is tested
     before = np.random.get_state()[1].copy()  # noqa: NPY002
-    with NativeTask.open(ref, seed=5) as again, NativeTask.open(ref, seed=6) as other:
+    with NativeTask.open(ref, seed=0) as again, NativeTask.open(ref, seed=1) as other:
         assert np.array_equal(again.model.body_pos, native.model.body_pos)
         assert np.array_equal(again.model.body_quat, native.model.body_quat)
         assert not np.array_equal(other.model.body_pos, native.model.body_pos)

@@ -5,23 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from onto_compiler.problems import OntoError
+from tests.faults import fault
 
 pytestmark = pytest.mark.sim
-
-
-@pytest.fixture(scope="module")
-def ref():
-    from runtime.simulator.assets import find_task
-
-    return find_task("libero_goal", "put_the_bowl_on_the_stove")
-
-
-@pytest.fixture(scope="module")
-def state(ref):
-    from runtime.simulator.assets import initial_states
-
-    return initial_states(ref)[3]
 
 
 @pytest.fixture(scope="module")
@@ -30,14 +16,6 @@ def scene(ref, tmp_path_factory):
     from runtime.simulator.scene_cache import SceneCache
 
     return compile_scene(ref.bddl, cache=SceneCache(tmp_path_factory.mktemp("cache")))
-
-
-@pytest.fixture(scope="module")
-def native(ref, state):
-    from runtime.simulator.native import NativeTask
-
-    with NativeTask.open(ref) as task:
-        yield task
 
 
 @pytest.fixture(scope="module")
@@ -70,13 +48,6 @@ def path_of(made, actions):
         made.step(action)
         path.append(made.data.qpos.copy())
     return np.array(path)
-
-
-def fault(call, *arguments):
-    with pytest.raises(OntoError) as caught:
-        call(*arguments)
-    (problem,) = caught.value.problems
-    return problem
 
 
 def test_exact_steps_equal_the_native_environment_s_bit_for_bit(scene, state, actions, native_path):

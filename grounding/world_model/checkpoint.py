@@ -1,8 +1,8 @@
 """A checkpoint: the weights of one network and its model card, in one safetensors file.
 
 The card says what the network is and how it was made: enough to build it again, and to repeat its training. It lies in
-the file's header, with a checksum over both: neither comes without the other, or altered unnoticed. Nothing here reads a
-pickle.
+the file's header, with a checksum over both: neither comes without the other, or altered unnoticed. Nothing here
+reads a pickle.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from safetensors.torch import save as bytes_of
 
 from onto_compiler.problems import OntoError, Problem
 
-__all__ = ["Card", "Checkpoint", "checksum", "load", "read_card", "restore", "save"]
+__all__ = ["Card", "Checkpoint", "checksum", "fill", "load", "read_card", "restore", "save"]
 
 Module = TypeVar("Module", bound=torch.nn.Module)
 
@@ -59,11 +59,20 @@ class Checkpoint:
 
     def fill(self, module: Module) -> Module:
         """Copy the weights into ``module``; raises ``WM004`` where names, shapes or types differ."""
-        problems = _differences(self.tensors, module.state_dict(), str(self.path))
-        if problems:
-            raise OntoError(*problems)
-        module.load_state_dict(dict(self.tensors))
-        return module
+        return fill(module, self.tensors, self.path)
+
+
+def fill(module: Module, tensors: Mapping[str, torch.Tensor], path: Path) -> Module:
+    """Copy ``tensors``, which were read from ``path``, into ``module``: all of them, and all that it has.
+
+    Raises:
+        OntoError: ``WM004``, with a problem for each weight whose name, shape or type differs.
+    """
+    problems = _differences(tensors, module.state_dict(), str(path))
+    if problems:
+        raise OntoError(*problems)
+    module.load_state_dict(dict(tensors))
+    return module
 
 
 def save(path: Path, tensors: Mapping[str, torch.Tensor], card: Card) -> None:

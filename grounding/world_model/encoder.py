@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,7 +18,19 @@ from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError, clipped, near
 
-__all__ = ["DEFAULT", "GROUP", "Encoder", "Factory", "Features", "Pictures", "checked", "encoder", "registered"]
+__all__ = [
+    "DEFAULT",
+    "GROUP",
+    "Encoder",
+    "Factory",
+    "Features",
+    "Pictures",
+    "checked",
+    "checked_features",
+    "encoder",
+    "registered",
+    "require_encoder",
+]
 
 GROUP = "onto_evwm.encoders"
 DEFAULT = "lite0"
@@ -81,11 +94,33 @@ def encoder(name: str = DEFAULT, device: str = "cpu") -> Encoder:
 
 def checked(pictures: NDArray[Any], size: int, name: str) -> Pictures:
     """``pictures``, if they are uint8 (N, ``size``, ``size``, 3); raises ``WM009`` where they are not."""
-    if pictures.dtype != np.uint8 or pictures.shape[1:] != (size, size, 3):
-        message = (
-            f"`{name}` reads pictures uint8 (N, {size}, {size}, 3), and was given {pictures.dtype} {pictures.shape}"
-        )
-        raise OntoError.of(
-            "WM009", message, "pictures are RGB bytes of the encoder's `size`, stacked along the first axis"
-        )
+    if pictures.dtype != np.uint8 or pictures.ndim != 4 or pictures.shape[1:] != (size, size, 3):
+        given = f"{pictures.dtype} {pictures.shape}"
+        message = f"`{name}` reads pictures uint8 (N, {size}, {size}, 3), and was given {given}"
+        raise OntoError.of("WM009", message, "pictures are RGB bytes of the encoder's `size`, along the first axis")
     return pictures
+
+
+def checked_features(features: NDArray[Any], width: int) -> Features:
+    """``features``, if they are ``width`` finite numbers a row; raises ``WM010`` where they are not."""
+    if features.ndim != 2 or features.shape[1] != width:
+        message = f"features of the form (N, {width}) are expected, and {features.shape} were given"
+        raise OntoError.of("WM010", message, "they must come from the encoder that the network was trained with")
+    finite = np.isfinite(features).all(axis=1)
+    if not finite.all():
+        bad = np.flatnonzero(~finite)
+        message = f"{len(bad)} of {len(finite)} rows of features are not finite, the first of them row {bad[0]}"
+        raise OntoError.of("WM010", message, "an encoder must give finite features for every picture")
+    return features
+
+
+def require_encoder(found: Encoder, identity: str, file: Path) -> None:
+    """Make sure that ``found`` is the encoder with whose features the checkpoint ``file`` was trained.
+
+    Raises:
+        OntoError: ``WM011``, where it is another one, or has other weights.
+    """
+    if found.identity != identity:
+        message = f"it reads features {identity[:12]}, and `{found.name}` gives features {found.identity[:12]}"
+        hint = "train it with this encoder, or install the weights of the encoder that it was trained with"
+        raise OntoError.of("WM011", message, hint, str(file))

@@ -11,7 +11,7 @@ import torch
 
 from grounding.world_model.checkpoint import checksum
 from grounding.world_model.encoder import Features, Pictures, checked
-from onto_compiler.problems import OntoError
+from onto_compiler.problems import OntoError, clipped
 
 __all__ = ["FrozenNetwork", "parse_options"]
 
@@ -51,20 +51,24 @@ class FrozenNetwork:
         return features
 
 
-def parse_options(family: str, options: Sequence[str], kinds: Sequence[str], sizes: range) -> tuple[str, int | None]:
-    """The kind of features (one of ``kinds``; the first where none is given) and the size among ``options``.
+def parse_options(
+    family: str, options: Sequence[str], kinds: Sequence[str], sizes: range
+) -> tuple[str | None, int | None]:
+    """The kind of features (one of ``kinds``) and the size of pictures among ``options``, None where not given.
 
     Raises:
         OntoError: ``WM007`` where an option is neither of ``kinds`` nor a size of ``sizes``.
     """
-    kind, size = "", None
+    kind: str | None = None
+    size: int | None = None
     for option in options:
-        if option in kinds and not kind:
+        if option in kinds and kind is None:
             kind = option
         elif option.isascii() and option.isdigit() and len(option) < 5 and int(option) in sizes and size is None:
             size = int(option)
         else:
-            message = f"`{option}` is not an option of the encoder `{family}`"
-            many = f"from {sizes.start} to {sizes[-1]} in steps of {sizes.step}"
-            raise OntoError.of("WM007", message, f"`{family}:KIND:SIZE` has the kinds {', '.join(kinds)}; sizes {many}")
-    return kind or kinds[0], size
+            message = f"`{clipped(option)}` is not an option of the encoder `{family}`"
+            many = f"{sizes.start}, {sizes.start + sizes.step}, … {sizes[-1]} pixels"
+            hint = f"`{family}[:KIND][:SIZE]` has the kinds {', '.join(kinds)}, at {many}"
+            raise OntoError.of("WM007", message, hint)
+    return kind, size

@@ -21,7 +21,8 @@ __all__ = ["Lite0", "lite0"]
 
 _STRIDES = (1, 2, 1, 2, 1, 2, 1, 1, 1, 1, 1, 2, 1, 1, 1, 1)  # of the sixteen blocks, after a stem of stride 2
 _EPSILON = 1e-3  # of the batch normalisations
-_KINDS = ("block7", *(f"block{index}" for index in range(len(_STRIDES)) if index != 7))
+_KINDS = tuple(f"block{index}" for index in range(len(_STRIDES)))
+_KIND = "block7"
 _SIZE = 64
 _SIZES = range(32, 513, 32)
 _BATCH = 32
@@ -101,7 +102,7 @@ def lite0(options: Sequence[str] = (), device: str = "cpu") -> FrozenNetwork:
         OntoError: ``WM007`` for an unknown option, ``WM008`` where the weights are not installed or cannot be read.
     """
     kind, size = parse_options("lite0", options, _KINDS, _SIZES)
-    size = size or _SIZE
+    kind, size = kind or _KIND, size or _SIZE
     network = Lite0(kept_weights(_packaged()), int(kind.removeprefix("block")))
     side = size // network.stride
     return FrozenNetwork(f"lite0:{kind}:{size}", size, (network.channels, side, side), network, device, _BATCH)

@@ -94,6 +94,10 @@ def _refs(options: argparse.Namespace) -> list[TaskRef]:
         return [TaskRef("", 0, path.stem, path, Path())]
     if suite is not None and options.task is None:
         suite, _, options.task = suite.partition("/")
+    if suite == "all" and options.task:
+        raise OntoError.of(
+            "CLI002", f"`all` suites have no task `{options.task}` in common", "name one suite, or use --tasks"
+        )
     if suite is not None and options.task:
         return [find_task(suite, int(options.task) if options.task.isdigit() else options.task)]
     chosen = LIBERO if suite is None else suites() if suite == "all" else (suite,)

@@ -33,10 +33,11 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Why a task or a state could not be audited, or a fact of it not be grounded: a problem's code and sentence."""
+    """Why a task or a state could not be audited, or a fact of it not be grounded: a problem's code, sentence, hint."""
 
     code: str
     message: str
+    hint: str = ""
 
 
 @dataclass(frozen=True, slots=True)

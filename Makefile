@@ -3,6 +3,10 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
 JOBS ?= 2
+# Where torch's build for CPUs is; its build on the package index brings gigabytes of CUDA on Linux. For a GPU, leave it
+# empty (make install TORCH_INDEX=) or name another of torch's indexes. Where it cannot be reached, pip goes on with the
+# package index that it is configured for.
+TORCH_INDEX ?= https://download.pytorch.org/whl/cpu
 
 .DEFAULT_GOAL := help
 .PHONY: help install demo test check bench bench-full docs clean
@@ -20,8 +24,13 @@ help:  ## list the targets
 	$(PIP) -e '.[sim]'
 	@touch $@
 
-.venv/test: .venv/sim
-	$(PIP) --group test
+# Torch alone, without what it needs: pip asks an extra index for each package of a command.
+.venv/torch: .venv/sim
+	$(PIP) --no-deps --retries 1 --timeout 30 $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) torch
+	@touch $@
+
+.venv/test: .venv/torch
+	$(PIP) -e '.[sim,learn]' --group test
 	@touch $@
 
 .venv/dev: .venv/test

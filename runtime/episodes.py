@@ -73,7 +73,7 @@ class EpisodeRunner:
     def run(
         self, state_index: int, state: ArrayLike | None = None, report: Callable[[Attempt], None] | None = None
     ) -> Episode:
-        """Start from the official initial state ``state_index`` (or a flat ``state``), settle, and correct.
+        """Start from the official initial state ``state_index`` (or a flat ``state``, then GIVEN), settle, and correct.
 
         Raises:
             OntoError: as :meth:`start`.
@@ -86,7 +86,7 @@ class EpisodeRunner:
         premise = self.environment.observe_premise()
         unmet = evidence_status(self.required.premise, premise) != STATUSES.index(SATISFIED)
         correction = self.loop.run(
-            self.required, self.environment, np.random.default_rng([self.task.seed, state_index]), report=report
+            self.required, self.environment, np.random.default_rng([self.task.seed, max(state_index, 0)]), report=report
         )
         return Episode(
             task=self.ref.name,

@@ -12,6 +12,7 @@ from grounding.observation import Observation
 from onto_compiler.required import Fact, RequiredABox
 
 __all__ = [
+    "GIVEN",
     "Application",
     "Attempt",
     "Diagnosis",
@@ -19,7 +20,11 @@ __all__ = [
     "Proposal",
     "RouteDecision",
     "Verification",
+    "state_name",
 ]
+
+GIVEN = -1
+"""The index of an initial state that is none of the official ones."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +115,7 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class Episode:
-    """A whole run of Algorithm 1 on one task and initial state.
+    """A whole run of Algorithm 1 on one task and initial state, an official one or :data:`GIVEN`.
 
     ``outcome`` is one of ``retained``, ``verified``, ``accepted``, ``unresolved`` (the budget is spent),
     ``grounding_verifier_disagreement``, ``run_fault``.
@@ -134,3 +139,8 @@ class Episode:
     def accepted(self) -> bool:
         """Whether the native predicate accepted a state that this episode applied, or the one it started from."""
         return self.outcome in {"accepted", "verified"}
+
+
+def state_name(index: int, word: str = "state") -> str:
+    """What an initial state is called: by its number, where it is an official one."""
+    return "a given state" if index == GIVEN else f"{word} {index}"

@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from onto_compiler.schema import Schema
-from runtime.records import Attempt, Diagnosis, Episode, Verification
+from runtime.records import Attempt, Diagnosis, Episode, Verification, state_name
 from runtime.trace.narrate import amount, atom, short_name, unit_of
 
 __all__ = ["demo_table", "episode_summary", "first_diagnoses", "margin_after", "routes_of", "verdict"]
@@ -123,7 +123,7 @@ def demo_table(episodes: Sequence[Episode], schema: Schema) -> Table:
     table.add_column("failure > route", overflow="fold")
     table.add_column("verdict", overflow="fold")
     for episode in episodes:
-        name = Text(f"{episode.task.replace('_', ' ')}, state {episode.state_index}", style="bold")
+        name = Text(f"{episode.task.replace('_', ' ')}, {state_name(episode.state_index)}", style="bold")
         found = first_diagnoses(episode)
         facts = Text("\n").join([name, *(_before_after(d, episode, schema) for d in found)])
         ways = [line for diagnosis in found for line in _way(diagnosis, episode, schema)]

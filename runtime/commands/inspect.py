@@ -30,15 +30,17 @@ def _configure_diagnose(parser: argparse.ArgumentParser) -> None:
 
 def _ground(options: argparse.Namespace) -> int:
     from onto_compiler.tables import SATISFIED, STATUSES  # noqa: PLC0415 - heavy imports wait for the command to run
-    from runtime.commands.opening import read_state, task_runner  # noqa: PLC0415
+    from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415
     from runtime.diagnosis import evidence_status  # noqa: PLC0415
+    from runtime.records import state_name  # noqa: PLC0415
     from runtime.trace.narrate import amount, atom, short_name, unit_of  # noqa: PLC0415
 
     with task_runner(options) as runner:
-        runner.start(options.state, read_state(options.state_file))
+        start, state = start_of(options)
+        runner.start(start, state)
         schema, required = runner.knowledge.schema, runner.required
         verdict = runner.environment.verify().outcome if runner.environment.judged else None
-        record: dict[str, Any] = {"suite": runner.ref.suite, "task": required.task, "state": options.state}
+        record: dict[str, Any] = {"suite": runner.ref.suite, "task": required.task, "state": start}
         for part, facts, observation in (
             ("facts", required.facts, runner.environment.observe()),
             ("premise", required.premise, runner.environment.observe_premise()),
@@ -64,7 +66,7 @@ def _ground(options: argparse.Namespace) -> int:
     if options.format == "json":
         print_json(record)
         return CLEAN
-    lines = [f"{record['task']}, state {options.state}, after settling"]
+    lines = [f"{record['task']}, {state_name(start)}, after settling"]
     for part, heading in (("facts", "goal"), ("premise", "premise")):
         lines.append(f"  {heading}")
         for row in record[part]:
@@ -83,13 +85,15 @@ def _ground(options: argparse.Namespace) -> int:
 
 
 def _diagnose(options: argparse.Namespace) -> int:
-    from runtime.commands.opening import read_state, task_runner  # noqa: PLC0415 - as above
+    from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415 - as above
     from runtime.diagnosis import by_distance, diagnose_goal, select  # noqa: PLC0415
+    from runtime.records import state_name  # noqa: PLC0415
     from runtime.routing import route  # noqa: PLC0415
     from runtime.trace.narrate import amount, atom, short_name, unit_of  # noqa: PLC0415
 
     with task_runner(options) as runner:
-        runner.start(options.state, read_state(options.state_file))
+        start, state = start_of(options)
+        runner.start(start, state)
         knowledge, required = runner.knowledge, runner.required
         observation = runner.environment.observe()
         ways = by_distance(required, observation)
@@ -118,12 +122,12 @@ def _diagnose(options: argparse.Namespace) -> int:
         for d in found
     ]
     if options.format == "json":
-        record: dict[str, Any] = {"task": task, "state": options.state, "diagnoses": rows}
+        record: dict[str, Any] = {"task": task, "state": start, "diagnoses": rows}
         if options.alternatives:
             record["alternatives"] = [[atom(d.fact, schema) for d in each] for each in ranked]
         print_json(record)
     else:
-        lines = [f"{task}, state {options.state}: {len(rows) or 'no'} unmet of {len(ways[0])} required"]
+        lines = [f"{task}, {state_name(start)}: {len(rows) or 'no'} unmet of {len(ways[0])} required"]
         if len(ways) > 1:
             lines[0] += f", by the nearest of {len(ways)} alternatives"
         for diagnosis, row in zip(found, rows, strict=True):

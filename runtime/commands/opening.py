@@ -15,9 +15,10 @@ from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.episodes import EpisodeRunner
 from runtime.proposers.registry import load_proposers
+from runtime.records import GIVEN
 from runtime.simulator.assets import named_task
 
-__all__ = ["read_state", "task_runner"]
+__all__ = ["start_of", "task_runner"]
 
 
 @contextmanager
@@ -36,18 +37,21 @@ def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
         runner.close()
 
 
-def read_state(path: Path | None) -> NDArray[np.float64] | None:
-    """The flat state in a ``.npy`` file, or None without a path.
+def start_of(options: argparse.Namespace) -> tuple[int, NDArray[np.float64] | None]:
+    """Number of the official initial state to start from, and None; or :data:`GIVEN` and the state of a file.
 
     Raises:
         OntoError: ``CLI005``, where the file does not hold one plain array of numbers.
     """
-    if path is None:
-        return None
+    path: Path | None = options.state_file
+    return (options.state, None) if path is None else (GIVEN, _read(path))
+
+
+def _read(path: Path) -> NDArray[np.float64]:
     try:
         state = np.load(path, allow_pickle=False)
         return np.asarray(state, dtype=np.float64).ravel()
-    except (OSError, ValueError, TypeError, AttributeError) as error:
+    except (OSError, EOFError, ValueError, TypeError, AttributeError) as error:
         raise OntoError.of(
             "CLI005", f"cannot read a state from `{path}`: {error}", "save it with numpy.save", str(path)
         ) from error

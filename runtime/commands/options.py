@@ -15,8 +15,9 @@ def add_task(parser: argparse.ArgumentParser) -> None:
 
 def add_state(parser: argparse.ArgumentParser) -> None:
     """Where to start: ``--state``, ``--state-file`` and ``--seed``."""
-    parser.add_argument("--state", type=int, default=0, metavar="N", help="official initial state, from 0 (default 0)")
-    parser.add_argument(
+    start = parser.add_mutually_exclusive_group()
+    start.add_argument("--state", type=int, default=0, metavar="N", help="official initial state, from 0 (default 0)")
+    start.add_argument(
         "--state-file", type=Path, metavar="FILE.npy", help="start from your own flat state instead: time, qpos, qvel"
     )
     parser.add_argument("--seed", type=int, default=0, help="places the fixtures (default 0)")

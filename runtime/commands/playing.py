@@ -17,9 +17,10 @@ from onto_compiler.command import CLEAN, FINDINGS, print_json
 from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
-from runtime.commands.opening import read_state
+from runtime.commands.opening import start_of
 from runtime.episodes import required_of
 from runtime.gym.tasks import horizon_of
+from runtime.records import GIVEN
 from runtime.report.filmstrip import moments, write_film
 from runtime.simulator.assets import named_task
 from runtime.simulator.compiled import compile_scene
@@ -47,9 +48,9 @@ def play(options: argparse.Namespace) -> int:
         store = stack.enter_context(_store(options, knowledge.schema)) if options.out is not None else None
         stage = stack.enter_context(_stage(options, knowledge))
         horizon = horizon_of(stage.ref.suite) if options.horizon is None else options.horizon
-        state = read_state(options.state_file)
+        start, state = start_of(options)
         with Console(stderr=True).status("playing"):
-            performance = stage.perform(options.state, horizon, state=state, look_ahead=options.look_ahead)
+            performance = stage.perform(start, horizon, state=state, look_ahead=options.look_ahead)
         if store is not None:
             _record(options.out, store, performance)
     episode, schema = performance.episode, stage.knowledge.schema
@@ -86,7 +87,8 @@ def _record(out: Path, store: TraceStore, performance: Performance) -> None:
     episode = performance.episode
     store.add(episode)
     store.export_trig(out / "trace.trig")
-    path = out / "actions" / f"{episode.suite or 'task'}-{episode.task}-{episode.state_index}.npz"
+    start = "given" if episode.state_index == GIVEN else episode.state_index
+    path = out / "actions" / f"{episode.suite or 'task'}-{episode.task}-{start}.npz"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         np.savez_compressed(path, actions=performance.actions, bounds=performance.bounds, qpos=performance.qpos)

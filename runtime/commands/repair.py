@@ -24,13 +24,13 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from runtime.commands.opening import read_state, task_runner  # noqa: PLC0415 - heavy imports wait for the run
+    from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415 - heavy imports wait for the run
     from runtime.summary import episode_summary  # noqa: PLC0415
     from runtime.trace.narrate import narrate  # noqa: PLC0415
     from runtime.trace.store import TraceStore  # noqa: PLC0415
 
     with task_runner(options) as runner:
-        episode = runner.run(options.state, read_state(options.state_file))
+        episode = runner.run(*start_of(options))
         schema = runner.knowledge.schema
     if options.out is not None:
         with TraceStore(options.out / "store", schema, "repair", ontology=options.ontology) as store:

@@ -8,7 +8,7 @@ from onto_compiler.html import Html, badge, code, element, joined, prose, table,
 from onto_compiler.schema import Schema
 from onto_compiler.tables import SATISFIED, STATUSES
 from runtime.diagnosis import evidence_status, unmet
-from runtime.records import Diagnosis, Episode
+from runtime.records import Diagnosis, Episode, state_name
 from runtime.report.bars import margin_bar
 from runtime.summary import first_diagnoses, margin_after, routes_of, verdict
 from runtime.trace.narrate import amount, atom, chain, outcome_sentence, premise_sentence, short_name, unit_of
@@ -106,7 +106,7 @@ def _rows(number: int, episode: Episode, schema: Schema) -> Iterator[tuple[objec
 
 def episode_name(episode: Episode) -> str:
     """A task's name in words, and its initial state."""
-    return f"{episode.task.replace('_', ' ')}, state {episode.state_index}"
+    return f"{episode.task.replace('_', ' ')}, {state_name(episode.state_index)}"
 
 
 def _verdict(episode: Episode) -> Html:

@@ -107,10 +107,7 @@ class Simulation:
         Raises ``SIM021`` for an action that is not seven finite numbers, and :class:`RunFault` with the last good
         snapshot where the state diverges; that snapshot is then the state.
         """
-        given = np.asarray(action, dtype=np.float64).ravel()
-        if given.size != ACTION_SIZE or not np.isfinite(given).all():
-            what = f"{given.size} numbers" if given.size != ACTION_SIZE else f"the numbers {given.tolist()}"
-            raise OntoError.of("SIM021", f"an action of {what}", "OSC_POSE takes seven finite numbers in [-1, 1]")
+        given = _checked(action)
         mujoco.mj_getState(self.model, self.data, self._good, FULL)
         time = self.data.time
         self._stepper.step(given, glance)
@@ -199,6 +196,22 @@ class Simulation:
             clock,
             self.scene.home.scene,
         )
+
+
+def _checked(action: ArrayLike) -> NDArray[np.float64]:
+    what, given = "", np.empty(0)
+    try:
+        given = np.asarray(action, dtype=np.float64).ravel()
+    except (TypeError, ValueError) as error:
+        what = f"an action that is no array of numbers: {error}"
+    else:
+        if given.size != ACTION_SIZE:
+            what = f"an action of {given.size} number{'' if given.size == 1 else 's'}"
+        elif not np.isfinite(given).all():
+            what = f"an action of the numbers {given.tolist()}"
+    if what:
+        raise OntoError.of("SIM021", what, "OSC_POSE takes seven finite numbers in [-1, 1]")
+    return given
 
 
 def _stepper(scene: CompiledScene, data: mujoco.MjData, *, exact: bool) -> Stepper:

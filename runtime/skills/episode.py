@@ -105,7 +105,7 @@ class Stage:
         look_ahead: bool = False,
         report: Callable[[Attempt], None] | None = None,
     ) -> Performance:
-        """Start from official initial state ``state_index`` (or a flat ``state``), settle, play, and record.
+        """Start from official initial state ``state_index`` (or, GIVEN, a flat ``state``), settle, play, and record.
 
         ``report`` is called with each attempt as soon as it is recorded.
 

@@ -10,7 +10,7 @@ from onto_compiler.required import Fact
 from onto_compiler.schema import Schema, local_name
 from onto_compiler.tables import ABSENT, EXHAUSTED, EXPLICITLY_FALSE, MARGIN_VIOLATED, REPEAT, SATISFIED, STATUSES
 from runtime.diagnosis import evidence_status
-from runtime.records import Application, Attempt, Diagnosis, Episode, RouteDecision, Verification
+from runtime.records import Application, Attempt, Diagnosis, Episode, RouteDecision, Verification, state_name
 from runtime.trace.reasons import Reasons
 
 __all__ = ["amount", "atom", "chain", "narrate", "outcome_sentence", "premise_sentence", "short_name", "unit_of"]
@@ -82,7 +82,7 @@ def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) ->
 
     With ``reasons``, each decision is followed by what led to it.
     """
-    yield f"{episode.task} ({episode.suite}, initial state {episode.state_index}, seed {episode.seed})"
+    yield f"{episode.task} ({episode.suite}, {state_name(episode.state_index, 'initial state')}, seed {episode.seed})"
     if episode.required.language:
         yield f"  Instruction: {episode.required.language}."
     if premise := premise_sentence(episode, schema):

@@ -129,9 +129,31 @@ def official():
 
 
 def test_a_state_of_ones_own(capsys, tmp_path):
-    code, out, _ = run(capsys, "ground", "libero_goal/8", "--json", "--state-file", state_file(tmp_path, official()))
+    path = state_file(tmp_path, official())
+    code, out, _ = run(capsys, "ground", "libero_goal/8", "--json", "--state-file", path)
     assert code == CLEAN
-    assert json.loads(out)["facts"][0]["truth"] is False
+    record = json.loads(out)
+    assert record["facts"][0]["truth"] is False
+    assert record["state"] == -1
+    _, out, _ = run(capsys, "diagnose", "libero_goal/8", "--state-file", path)
+    assert out.startswith("put_the_bowl_on_the_plate, a given state: 1 unmet of 1 required\n")
+    status, out, _ = run(capsys, "repair", "libero_goal/8", "--state-file", path)
+    assert status == CLEAN
+    assert out.startswith("put_the_bowl_on_the_plate (libero_goal, a given state, seed 0)\n")
+
+
+def test_a_state_is_an_official_one_or_a_given_one(capsys, tmp_path):
+    path = state_file(tmp_path, official())
+    status, _, err = run(capsys, "diagnose", "libero_goal/8", "--state", "3", "--state-file", path)
+    assert (status, "error[CLI002]" in err) == (MISUSE, True)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.05, 0.9])
+def test_a_state_file_that_was_cut_off_is_refused(capsys, tmp_path, share):
+    path = Path(state_file(tmp_path, official()))
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    status, _, err = run(capsys, "diagnose", "libero_goal/8", "--state-file", str(path))
+    assert (status, "error[CLI005]" in err) == (MISUSE, True)
 
 
 @pytest.mark.parametrize(

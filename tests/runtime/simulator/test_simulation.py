@@ -166,7 +166,10 @@ def test_a_glance_sees_the_state_before_the_last_substep_and_changes_nothing(sce
     assert np.allclose(np.array(times) - state[0], ends - scene.model.opt.timestep)
 
 
-@pytest.mark.parametrize("action", [np.zeros(6), np.zeros(8), [0, 0, np.nan, 0, 0, 0, 1], [np.inf] * 7])
+@pytest.mark.parametrize(
+    "action",
+    [np.zeros(6), np.zeros(8), [0, 0, np.nan, 0, 0, 0, 1], [np.inf] * 7, None, "up", ["0.1"] * 6 + ["up"], [{}] * 7],
+)
 def test_an_action_that_is_none_is_refused(scene, state, action):
     made = simulation(scene, state)
     before = made.data.qpos.copy()

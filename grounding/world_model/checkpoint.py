@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import struct
 import tempfile
 from collections.abc import Callable, Mapping
@@ -34,7 +35,11 @@ _LENGTH = struct.Struct("<Q")  # safetensors: the header's length comes first
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """What is known of a network. Values are JSON; ``parameters`` are the keyword arguments that build it."""
+    """What is known of a network. ``parameters`` are the keyword arguments that build it.
+
+    Values are JSON, or numbers of numpy, which become JSON when they are saved; a metric that is not finite, such as a
+    recall of what never occurred, becomes None.
+    """
 
     architecture: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
@@ -45,7 +50,7 @@ class Card:
     seed: int | None = None
     command: str = ""
     commit: str = ""
-    metrics: Mapping[str, float] = field(default_factory=dict)
+    metrics: Mapping[str, float | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,8 +90,8 @@ def save(path: Path, tensors: Mapping[str, torch.Tensor], card: Card) -> None:
     """
     ready = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
     _require_finite(ready, path)
-    sealed = {"card": asdict(card), "sha256": _seal(card, checksum(ready))}
-    about = json.dumps(sealed, sort_keys=True, allow_nan=False)
+    values = _plain(card)
+    about = json.dumps({"card": values, "sha256": _seal(values, checksum(ready))}, sort_keys=True)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as scratch:
@@ -105,7 +110,8 @@ def load(path: Path, architecture: str, device: str = "cpu") -> Checkpoint:
             it holds another architecture, ``WM005`` where a weight is not finite.
     """
     data = _bytes(path)
-    card, promised = _about(data, path)
+    values, promised = _about(data, path)
+    card = _card(values, path)
     if card.architecture != architecture:
         message = f"the checkpoint holds a `{card.architecture}`, where a `{architecture}` is expected"
         raise OntoError.of("WM003", message, _maker(card), str(path))
@@ -114,7 +120,7 @@ def load(path: Path, architecture: str, device: str = "cpu") -> Checkpoint:
     except (SafetensorError, KeyError) as error:  # a KeyError: a type of numbers that torch has not
         raise _damaged(path, f"the weights cannot be read: {error}") from error
     identity = checksum(tensors)
-    found = _seal(card, identity)
+    found = _seal(values, identity)
     if found != promised:
         message = f"card and weights have the checksum {found[:12]}, and the header says {promised[:12]}"
         raise _damaged(path, message)
@@ -142,7 +148,7 @@ def restore(
 
 def read_card(path: Path) -> Card:
     """The card of the checkpoint at ``path``, without its weights; raises ``WM001`` and ``WM002`` as :func:`load`."""
-    return _about(_bytes(path), path)[0]
+    return _card(_about(_bytes(path), path)[0], path)
 
 
 def checksum(tensors: Mapping[str, torch.Tensor]) -> str:
@@ -155,9 +161,17 @@ def checksum(tensors: Mapping[str, torch.Tensor]) -> str:
     return total.hexdigest()
 
 
-def _seal(card: Card, weights: str) -> str:
-    """A SHA-256 over the card and the checksum of the weights."""
-    return hashlib.sha256(f"{json.dumps(asdict(card), sort_keys=True)}\n{weights}".encode()).hexdigest()
+def _plain(card: Card) -> Any:  # noqa: ANN401 - whatever JSON holds
+    """The card as JSON holds it."""
+    metrics = {name: None if value is None else float(value) for name, value in card.metrics.items()}
+    finite = {name: value if value is not None and math.isfinite(value) else None for name, value in metrics.items()}
+    text = json.dumps({**asdict(card), "metrics": finite}, allow_nan=False, default=lambda value: value.item())
+    return json.loads(text)
+
+
+def _seal(card: Any, weights: str) -> str:  # noqa: ANN401 - whatever JSON holds
+    """A SHA-256 over the values of the card and the checksum of the weights."""
+    return hashlib.sha256(f"{json.dumps(card, sort_keys=True)}\n{weights}".encode()).hexdigest()
 
 
 def _bytes(path: Path) -> bytes:
@@ -169,8 +183,8 @@ def _bytes(path: Path) -> bytes:
         raise OntoError.of("WM001", f"the checkpoint cannot be read: {error.strerror}", "", str(path)) from error
 
 
-def _about(data: bytes, path: Path) -> tuple[Card, str]:
-    """The card and the checksum in the header of a safetensors file."""
+def _about(data: bytes, path: Path) -> tuple[Any, str]:
+    """The values of the card and the checksum in the header of a safetensors file."""
     if len(data) < _LENGTH.size:
         raise _damaged(path, f"a file of {len(data)} bytes is no safetensors file")
     (length,) = _LENGTH.unpack_from(data)
@@ -179,10 +193,10 @@ def _about(data: bytes, path: Path) -> tuple[Card, str]:
     try:
         header = json.loads(data[_LENGTH.size : _LENGTH.size + length])
         about = json.loads(header["__metadata__"][_KEY])
-        card, promised = about["card"], about["sha256"]
+        card, promised = about["card"], str(about["sha256"])
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise _damaged(path, "the file has no model card of this project in its header") from error
-    return _card(card, path), str(promised)
+    return card, promised
 
 
 def _card(values: Any, path: Path) -> Card:  # noqa: ANN401 - whatever JSON holds

@@ -26,17 +26,21 @@ def read_weights(path: Path) -> dict[str, torch.Tensor]:
     """The tensors of a ``.safetensors`` file, or of a torch file that holds a state dict and nothing else.
 
     Raises:
-        OntoError: ``WM008``, where the file is missing, damaged, or holds anything but tensors by name.
+        OntoError: ``WM008``, where the file is missing, damaged, or holds anything but finite tensors by name.
     """
+    found: Any
     try:
         if path.suffix == ".safetensors":
-            return dict(load_file(path))
-        found: Any = torch.load(path, map_location="cpu", weights_only=True)
+            found = load_file(path)
+        else:
+            found = torch.load(path, map_location="cpu", weights_only=True)
     except (OSError, EOFError, RuntimeError, ValueError, KeyError, SafetensorError, pickle.UnpicklingError) as error:
         reason = str(error).partition("\n")[0]
         raise _unusable(path, f"the weights cannot be read: {reason}") from error
     if not isinstance(found, Mapping) or not all(isinstance(value, torch.Tensor) for value in found.values()):
         raise _unusable(path, "the file holds something else than tensors by name")
+    if not all(bool(torch.isfinite(value).all()) for value in found.values()):
+        raise _unusable(path, "weights in the file are not finite")
     return {str(name): value for name, value in found.items()}
 
 

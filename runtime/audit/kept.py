@@ -45,7 +45,7 @@ class KeptTasks:
         path = self._path(ref)
         try:
             return task_of(json.loads(path.read_text(encoding="utf-8")))
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             _LOG.warning("kept audit %s cannot be used: %s", path.name, error)

@@ -65,7 +65,7 @@ class SceneCache:
         path = _record(self.folder, key)
         try:
             record = _read(path)
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             _LOG.warning("cached scene %s is damaged and will be built again: %s", path.name, error)

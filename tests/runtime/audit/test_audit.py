@@ -60,6 +60,15 @@ def test_a_damaged_kept_audit_is_made_anew(first, cache):
     assert json.loads(again.read_text())["tasks"] == first["tasks"]
 
 
+def test_a_cache_that_cannot_be_written_is_told_once(tmp_path, caplog):
+    blocked = tmp_path / "file"
+    blocked.write_text("")
+    arguments = ["audit", "libero_spatial", "5", "--states", "1", "--jobs", "1", "--cache", str(blocked)]
+    assert main(arguments) == 1
+    (told,) = caplog.messages
+    assert told.startswith(f"the audit cannot be kept in {blocked / 'audits'}: ")
+
+
 def test_a_task_without_a_scene_is_a_finding(tmp_path, capsys):
     path = tmp_path / "no_such.bddl"
     path.write_text(

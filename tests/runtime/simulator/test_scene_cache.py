@@ -87,7 +87,8 @@ def test_a_folder_that_cannot_be_written_keeps_nothing_and_says_so(tmp_path, ass
     cache = SceneCache(blocked / "cache")
     cache.save("key", Record({}, {}, stamp([asset])), write_model)
     assert cache.load("key") is None
-    assert "cannot be kept" in caplog.text
+    (told,) = caplog.messages
+    assert told.startswith(f"the scene cannot be kept in {blocked / 'cache'}: ")
 
 
 def test_without_a_folder_nothing_is_kept(asset):

@@ -88,7 +88,10 @@ def save(path: Path, tensors: Mapping[str, torch.Tensor], card: Card) -> None:
     Raises:
         OntoError: ``WM005`` where a weight is not finite, ``WM006`` where the file cannot be written.
     """
-    ready = {name: tensor.detach().cpu().contiguous() for name, tensor in tensors.items()}
+    # Copies: safetensors refuses tensors that share memory, as tied weights do.
+    ready = {
+        name: tensor.detach().cpu().clone(memory_format=torch.contiguous_format) for name, tensor in tensors.items()
+    }
     _require_finite(ready, path)
     values = _plain(card)
     about = json.dumps({"card": values, "sha256": _seal(values, checksum(ready))}, sort_keys=True)

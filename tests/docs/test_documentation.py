@@ -139,6 +139,15 @@ def test_the_compiler_imports_nothing_heavy():
     assert heavy == []
 
 
+def test_torch_is_imported_where_a_model_is_trained_or_used_and_nowhere_else():
+    allowed = ("grounding/world_model/", "runtime/planning/", "runtime/training/")
+    users = {
+        str(path.relative_to(ROOT)) for _, path in modules() if "torch" in {n.split(".")[0] for n in imported(path)}
+    }
+    assert len(users) >= 6
+    assert [user for user in users if not user.startswith(allowed)] == []
+
+
 def test_every_code_has_a_page_and_every_page_a_code():
     sources = [path for _, path in modules()]
     sources += [path for ending in ("*.rq", "*.ttl") for path in sorted((ROOT / "ontology").rglob(ending))]

@@ -7,6 +7,8 @@ import struct
 import numpy as np
 import pytest
 import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from safetensors.torch import save_file
 
 from grounding.world_model import checkpoint
@@ -90,10 +92,15 @@ def test_views_and_networks_of_several_types_are_saved(tmp_path):
     tensors = {
         "turned": torch.arange(6.0).reshape(2, 3).T,
         "half": torch.ones(2, dtype=torch.float16),
+        "brain": torch.ones(2, dtype=torch.bfloat16),
         "count": torch.tensor(3),
+        "mask": torch.tensor([True, False]),
+        "none": torch.zeros(0, 3),
     }
+    tensors |= {"first": tensors["half"][:1], "tied": tensors["half"]}
     save(tmp_path / "mixed.safetensors", tensors, Card("mixed"))
     found = load(tmp_path / "mixed.safetensors", "mixed").tensors
+    assert set(found) == set(tensors)
     assert all(torch.equal(found[name], value) and found[name].dtype == value.dtype for name, value in tensors.items())
 
 
@@ -107,6 +114,18 @@ def test_any_change_of_a_weight_changes_the_identity():
         {"a": torch.zeros(2, 3), "b": torch.full((6,), 1e-30)},
     ]
     assert len({checksum(tensors) for tensors in [one, *others]}) == 5  # subtracting zero changes nothing
+
+
+@settings(max_examples=200, deadline=None)
+@given(data=st.binary(max_size=200), length=st.integers(0, 2**64 - 1), header=st.text(max_size=60))
+def test_whatever_the_bytes_there_is_an_error_and_no_traceback(tmp_path_factory, data, length, header):
+    path = tmp_path_factory.getbasetemp() / "any.safetensors"
+    text = header.encode()
+    for whole in (data, struct.pack("<Q", length) + data, struct.pack("<Q", len(text)) + text + data):
+        path.write_bytes(whole)
+        with pytest.raises(OntoError) as error:
+            load(path, "line")
+        assert codes(error) == ["WM002"]
 
 
 def test_a_missing_file_is_said_to_be_missing(tmp_path):

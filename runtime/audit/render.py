@@ -9,6 +9,7 @@ from math import nan
 from runtime.audit.compare import Change
 from runtime.audit.records import Audit, Failure, TaskAudit
 from runtime.trace.narrate import amount
+from runtime.words import counted
 
 __all__ = ["audit_text", "changes_text", "ranges"]
 
@@ -19,8 +20,8 @@ def audit_text(audit: Audit) -> str:
     states = sum(len(task.states) for task in audit.tasks)
     odd = sum(bool(state.failures) for task in audit.tasks for state in task.states)
     broken = sum(bool(task.faults) or any(s.faults for s in task.states) for task in audit.tasks)
-    total = f"{_count(len(audit.tasks), 'task')}, {_count(states, 'initial state')}: {odd} with a premise failure"
-    total += f"; {_count(broken, 'task')} with something that could not be audited" if broken else ""
+    total = f"{counted(len(audit.tasks), 'task')}, {counted(states, 'initial state')}: {odd} with a premise failure"
+    total += f"; {counted(broken, 'task')} with something that could not be audited" if broken else ""
     return "\n".join([*lines, f"{total} (MuJoCo {audit.versions.get('mujoco', 'unknown')}, seed {audit.seed})"]) + "\n"
 
 
@@ -69,10 +70,6 @@ def _task_lines(task: TaskAudit) -> Iterator[str]:
         yield f"  {kind}: {subject}, in {_of(list(failures), task)}; worst margin {margin}{f' ({why})' if why else ''}"
 
 
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
-
-
 def _of(states: Sequence[int], task: TaskAudit) -> str:
     total = len(task.states)
     return f"all {total} states" if len(states) == total > 1 else f"{len(states)} of {total} states ({ranges(states)})"
@@ -111,5 +108,5 @@ def changes_text(changes: Sequence[Change], first: Audit, second: Audit) -> str:
             unit = change.unit
             lines.append(f"    median margin there {amount(change.before, unit)} -> {amount(change.after, unit)}")
     shared = len({(t.suite, t.name) for t in first.tasks} & {(t.suite, t.name) for t in second.tasks})
-    lines.append(f"{_count(shared, 'task')} in both: {len({c.task for c in changes})} differ")
+    lines.append(f"{counted(shared, 'task')} in both: {len({c.task for c in changes})} differ")
     return "\n".join(lines) + "\n"

@@ -10,6 +10,7 @@ from typing import Any
 from runtime.demos.collect import Collected
 from runtime.demos.records import DemoFile, Demonstration
 from runtime.demos.replay import Replay
+from runtime.words import counted
 
 __all__ = ["collected_text", "file_record", "file_text", "replays_text"]
 
@@ -20,11 +21,13 @@ def collected_text(found: Sequence[Collected]) -> str:
     for one in found:
         why = ", ".join(f"{count} {reason}" for reason, count in sorted(one.rejected.items()))
         tail = f"; rejected: {why}" if why else ""
-        lines.append(f"{one.suite}/{one.index} {one.task}: {one.demos} of {one.wanted} in {one.trials} trials{tail}")
+        lines.append(
+            f"{one.suite}/{one.index} {one.task}: {one.demos} of {one.wanted} in {counted(one.trials, 'trial')}{tail}"
+        )
         lines += [f"  {one.path}"] if one.demos else []
     short = sum(one.short for one in found)
-    total = f"{sum(one.demos for one in found)} demonstrations of {len(found)} tasks"
-    return "\n".join([*lines, total + (f"; {short} tasks have fewer than wanted" if short else "")]) + "\n"
+    total = f"{counted(sum(one.demos for one in found), 'demonstration')} of {counted(len(found), 'task')}"
+    return "\n".join([*lines, total + (f"; {counted(short, 'task')} with fewer than wanted" if short else "")]) + "\n"
 
 
 def replays_text(replays: Sequence[Replay]) -> str:
@@ -81,10 +84,13 @@ def file_text(record: Mapping[str, Any]) -> str:
     """The same for people."""
     demos = record["demos"]
     steps = [demo["steps"] for demo in demos]
+    length = counted(steps[0], "step")
+    if len(steps) > 1:
+        length = f"{min(steps)} to {max(steps)} steps (median {median(steps):g})"
     whole = sum(demo["window_record"] for demo in demos)
     lines = [
         f"{record['suite']}/{record['task']}: {record['language']}",
-        f"  {len(demos)} demonstrations of {min(steps)} to {max(steps)} steps (median {median(steps):g})",
+        f"  {counted(len(demos), 'demonstration')} of {length}",
         f"  {whole} with a window record, {sum(bool(demo['images']) for demo in demos)} with pictures",
     ]
     lines += [f"  {demo['demo']}: {demo['steps']} steps{_made(demo)}" for demo in demos]

@@ -89,3 +89,16 @@ def test_all_means_forty_tasks_with_their_own_numbers():
     orders = _orders(options)
     assert len(orders) == 40
     assert sum(order.count for order in orders) == 10 * 50 + 30 * 10
+
+
+def test_one_demonstration_is_told_in_the_singular(sample, capsys, tmp_path):
+    import shutil
+
+    import h5py
+
+    path = tmp_path / "demo.hdf5"
+    shutil.copy(sample, path)
+    with h5py.File(path, "r+") as file:
+        del file["data/demo_0"]
+    assert onto("show", path) == 0
+    assert "  1 demonstration of 112 steps\n" in capsys.readouterr().out

@@ -67,7 +67,7 @@ class Encoder(Protocol):
 
 
 Factory = Callable[[Sequence[str], str], Encoder]
-"""Options and device (``cpu``, ``cuda``, ``cuda:1``) to an encoder; raises ``WM007`` for an option it does not know."""
+"""Options and device (``cpu``, ``cuda``, ``auto``) to an encoder; raises ``WM007`` for an option that it does not know."""
 
 
 @cache
@@ -80,7 +80,8 @@ def encoder(name: str = DEFAULT, device: str = "cpu") -> Encoder:
     """The encoder called ``name``, with its weights on ``device``.
 
     Raises:
-        OntoError: ``WM007`` for an unknown name or option, ``WM008`` where its weights cannot be had.
+        OntoError: ``WM007`` for an unknown name or option, ``WM008`` where its weights cannot be had, ``WM012`` where
+            there is no such device.
     """
     family, *options = name.split(":")
     point = registered().get(family)

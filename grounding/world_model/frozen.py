@@ -39,7 +39,7 @@ class FrozenNetwork:
     batch: int
 
     def __post_init__(self) -> None:
-        device_named(self.device)
+        object.__setattr__(self, "device", device_named(self.device))
         self.network.eval().requires_grad_(requires_grad=False).to(self.device, memory_format=torch.channels_last)
 
     @property

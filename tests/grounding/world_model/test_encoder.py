@@ -247,6 +247,7 @@ def test_a_gpu_is_taken_where_there_is_one(monkeypatch):
     for there, expected in ((True, "cuda"), (False, "cpu")):
         monkeypatch.setattr("torch.cuda.is_available", lambda there=there: there)
         assert device_named() == expected
+    assert encoder("lite0", device="auto").device == "cpu"
 
 
 def test_features_that_are_not_numbers_or_of_another_width_are_refused():

@@ -67,7 +67,7 @@ class Encoder(Protocol):
 
 
 Factory = Callable[[Sequence[str], str], Encoder]
-"""Options and device (``cpu``, ``cuda``, ``auto``) to an encoder; raises ``WM007`` for an option that it does not know."""
+"""Options and device (``cpu``, ``cuda``, ``auto``) to an encoder; raises ``WM007`` for an option it does not know."""
 
 
 @cache

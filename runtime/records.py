@@ -102,7 +102,10 @@ class Verification:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """One turn of the loop; ``fault`` names a RunFault (a NaN, a crash), which is not an execution failure."""
+    """One turn of the loop; ``fault`` names a RunFault (a NaN, a crash), which is not an execution failure.
+
+    With neither an application nor a fault, the selected route had no candidate.
+    """
 
     index: int
     observation: Observation

@@ -60,6 +60,9 @@ def moments(actions: Array, bounds: Sequence[int]) -> tuple[Moment, ...]:
     """
     found = []
     for attempt, (first, last) in enumerate(pairwise(bounds)):
+        if first == last:
+            found.append(Moment(attempt, "as it stood", first))
+            continue
         closed = np.flatnonzero(actions[first:last, 6] > 0.0) + first
         between = [("on the way", (first + last) // 2)]
         if len(closed):

@@ -7,7 +7,7 @@ snapshot and in LIBERO's own environment: what each attempt saw is grounded ther
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -59,7 +59,7 @@ class Plays(Protocol):
 class Performance:
     """A recorded episode, and what it went through: ``actions`` (n, 7) and ``qpos`` (n + 1, nq).
 
-    Attempt k took the actions from ``bounds[k]`` up to ``bounds[k + 1]``.
+    Attempt k took the actions from ``bounds[k]`` up to ``bounds[k + 1]``: none, where no skill had a way.
     """
 
     episode: Episode
@@ -187,12 +187,27 @@ class _Take:
         for number, each in enumerate(self.played.tries, 1):
             broken = str(self.fault) if self.fault is not None and number == len(self.played.tries) else ""
             attempt = self._attempt(each, broken)
-            self.attempts.append(attempt)
-            self.bounds.append(replay.steps)
-            if self.report is not None:
-                self.report(attempt)
+            self._keep(attempt)
             if attempt.fault:
-                break
+                return
+        idle = self._idle(self.played.left)
+        if idle is not None:
+            self._keep(idle)
+
+    def _keep(self, attempt: Attempt) -> None:
+        self.attempts.append(attempt)
+        self.bounds.append(self.stage.replay.steps)
+        if self.report is not None:
+            self.report(attempt)
+
+    def _idle(self, left: Sequence[Step]) -> Attempt | None:
+        """The attempt without an application: the first of the steps ``left`` whose route had no candidate."""
+        observation, (_, verification) = self.stage.replay.observe(), self.end()
+        for step in left:
+            diagnoses, selected = self._diagnosed(str(step.fact), observation)
+            if (decision := self._routed(selected)) is not None:
+                return Attempt(len(self.attempts), observation, diagnoses, decision, verification=verification)
+        return None
 
     def end(self) -> tuple[str, Verification | None]:
         """The outcome of the episode, and the last verdict."""
@@ -208,8 +223,10 @@ class _Take:
     def _attempt(self, each: Try, broken: str) -> Attempt:
         replay, index = self.stage.replay, len(self.attempts)
         observation, before, first = replay.observe(), replay.qpos, replay.steps
-        diagnoses, selected = self._diagnosed(each, observation)
+        diagnoses, selected = self._diagnosed(each.fact, observation)
         decision = self._routed(selected, each.route)
+        if decision is None:
+            raise _differs(f"no rule sends `{selected.fact}` to `{each.route}` there")
         try:
             for action in self.played.actions[first : first + each.steps]:
                 replay.step(action)
@@ -223,22 +240,34 @@ class _Take:
         verification = None if broken else replay.verify()
         return Attempt(index, observation, diagnoses, decision, application, verification, broken)
 
-    def _diagnosed(self, each: Try, observation: Observation) -> tuple[tuple[Diagnosis, ...], Diagnosis]:
-        """What is unmet, and of that what the try was for."""
-        required, knowledge = self.stage.required, self.stage.knowledge
-        found = diagnose_goal(required, observation, knowledge.tables)
+    def _diagnosed(self, fact: str, observation: Observation) -> tuple[tuple[Diagnosis, ...], Diagnosis]:
+        """What is unmet, and of that the diagnosis of ``fact``, whose own preconditions may be unmet too."""
+        required = self.stage.required
+        found = diagnose_goal(required, observation, self.stage.knowledge.tables)
+        unmet_conditions = self._conditions(observation)
         for diagnosis in found:
-            if str(diagnosis.fact) == each.fact:
-                return found, diagnosis
-        for index, condition in enumerate(required.preconditions):
-            if str(condition.fact) == each.fact:
-                step, seen = Step(condition.fact, index, precondition=True), self.stage.replay.observe_conditions()
-                chosen = diagnose_step(step, required, observation, seen, knowledge)
-                return (*found, chosen), chosen
-        raise _differs(f"`{each.fact}`, which the play acted on, is not unmet there")
+            if str(diagnosis.fact) == fact:
+                index = diagnosis.index
+                before = (each for each in unmet_conditions if index in required.preconditions[each.index].before)
+                return (*found, *before), diagnosis
+        for diagnosis in unmet_conditions:
+            if str(diagnosis.fact) == fact:
+                return (*found, diagnosis), diagnosis
+        raise _differs(f"`{fact}`, which the play acted on, is not unmet there")
 
-    def _routed(self, selected: Diagnosis, taken: str) -> RouteDecision:
-        """The decision for the route ``taken``: a retry after a rejection of the same fact, else a dispatch."""
+    def _conditions(self, observation: Observation) -> list[Diagnosis]:
+        """What is unmet of the preconditions."""
+        required, knowledge = self.stage.required, self.stage.knowledge
+        seen = self.stage.replay.observe_conditions()
+        status = evidence_status([each.fact for each in required.preconditions], seen)
+        return [
+            diagnose_step(Step(each.fact, index, precondition=True), required, observation, seen, knowledge)
+            for index, each in enumerate(required.preconditions)
+            if status[index] != STATUSES.index(SATISFIED)
+        ]
+
+    def _routed(self, selected: Diagnosis, taken: str | None = None) -> RouteDecision | None:
+        """A retry after a rejection of the same fact, else a dispatch; to the route ``taken``, where that is known."""
         asked: list[tuple[str, str | None]] = [(FIRST, None)]
         before = [each.selected for each in self.attempts if _key(each.selected.diagnosis) == _key(selected)]
         if before:
@@ -246,9 +275,9 @@ class _Take:
             asked.insert(0 if before[-1] is self.attempts[-1].selected else 1, (REPEAT, before[-1].route))
         for status, previous in asked:
             decision = route_or_none(selected, self.stage.knowledge, status, previous, level="action")
-            if decision is not None and local_name(decision.route) == taken:
+            if decision is not None and (taken is None or local_name(decision.route) == taken):
                 return decision
-        raise _differs(f"no rule sends `{selected.fact}` to `{taken}` there")
+        return None
 
     def _proposal(self, each: Try, decision: RouteDecision) -> Proposal:
         name = self.stage.knowledge.schema.routes[decision.route].name

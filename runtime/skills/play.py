@@ -65,13 +65,17 @@ class Try:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Played:
-    """The actions of an episode (n, 7), what was tried, and what the goal's facts were at the end."""
+    """The actions of an episode (n, 7), what was tried, and what the goal's facts were at the end.
+
+    ``left`` is what was still to do, the next step first, where it ended because no skill had a way to any of it.
+    """
 
     actions: Array
     tries: tuple[Try, ...]
     final: Observation
     holds: bool
     rehearsed: int  # control steps in forks
+    left: tuple[Step, ...] = ()
 
 
 class _HorizonReached(Exception):  # noqa: N818 - the end of an episode, not an error
@@ -126,9 +130,12 @@ class Player:
         return _Episode(sim, world, Reach(world), horizon)
 
     def _play(self, episode: _Episode, candidates: int) -> Played:
+        left: tuple[Step, ...] = ()
         try:
-            while len(episode.actions) < episode.horizon and self._act(episode, candidates):
-                pass
+            while len(episode.actions) < episode.horizon:
+                if not self._act(episode, candidates):
+                    left = self._steps(episode.sim)
+                    break
         except (_HorizonReached, RunFault):
             pass
         final = self.grounder.observe(episode.sim.data)
@@ -138,6 +145,7 @@ class Player:
             final,
             not unmet(self.required, final),
             episode.rehearsed,
+            left,
         )
 
     def _steps(self, sim: Simulation) -> tuple[Step, ...]:

@@ -117,8 +117,13 @@ def chain(attempt: Attempt, schema: Schema, reasons: Reasons | None = None) -> I
     if reasons is not None:
         told = (*reasons.of_selection(attempt), *reasons.of_route(attempt.selected))
         yield from (f"  {sentence}" for sentence in told)
+    for diagnosis in attempt.diagnoses:
+        if diagnosis.precondition and repr(diagnosis) != repr(attempt.selected.diagnosis):
+            yield f"Before it, {atom(diagnosis.fact, schema)} should hold, and nothing has brought that about."
     if attempt.application is not None:
         yield _applied(attempt.application)
+    elif not attempt.fault:
+        yield f"Application: none, as `{short_name(attempt.selected.route, schema)}` had no candidate."
     if attempt.fault:
         yield f"Fault: {attempt.fault}."
     if attempt.verification is not None:

@@ -111,18 +111,23 @@ def test_each_attempt_has_its_steps_and_starts_where_the_last_one_ended(performa
     assert all(attempt.application.displacement > 0.1 for attempt in episode.attempts)
 
 
-def test_the_record_conforms_and_reads_back(performance, knowledge):
+def recorded_and_read_back(episode, knowledge):
+    """A store with the record, which conforms to the shapes and reads back as it was."""
     from runtime.trace.names import episode_iri
     from runtime.trace.read import read_episode
     from runtime.trace.write import episode_quads
     from tests.runtime.trace.plain import plain
 
-    episode = performance.episode
     store = load_store()
     store.extend(episode_quads(episode, knowledge.schema, "run"))
     assert validate(store, compile_shapes(store)) == ()
     iri = episode_iri("run", episode.suite, episode.task, episode.state_index)
     assert plain(read_episode(store, iri)) == plain(episode)
+    return store
+
+
+def test_the_record_conforms_and_reads_back(performance, knowledge):
+    store = recorded_and_read_back(performance.episode, knowledge)
     ends = list(store.quads_for_pattern(None, _node(TRACE + "end"), _node(TRACE + "Completed"), None))
     assert len(ends) == 2
 
@@ -141,6 +146,85 @@ def test_the_story_and_the_summary_tell_what_the_controller_did(performance, kno
         ("controller", "completed", "retry"),
     ]
     assert all(turn["steps"] > 50 and "desk_caddy_1" in turn["note"] for turn in history)
+
+
+@pytest.fixture(scope="module")
+def bowl(knowledge):
+    """The bowl that has to go on the plate, with the house's own skills."""
+    from runtime.episodes import required_of
+    from runtime.simulator.assets import find_task
+    from runtime.simulator.compiled import compile_scene
+    from runtime.simulator.native import NativeTask
+    from runtime.skills.episode import Stage
+    from runtime.skills.play import Player
+    from runtime.skills.replay import Replay
+
+    ref = find_task("libero_goal", 8)
+    required, scene = required_of(ref, knowledge, ordered=True), compile_scene(ref.bddl)
+    player = Player(scene, required, knowledge)
+    with Replay(NativeTask.open(ref), required, knowledge.schema) as replay:
+        yield Stage(ref, required, knowledge, scene, player, replay)
+
+
+def moved(stage, name, position):
+    """A settled state in which an object was put at a position (3,), which may be a function of its scene's poses."""
+    from runtime.simulator.assets import initial_states
+    from runtime.simulator.simulation import Simulation
+
+    sim, index = Simulation(stage.scene, exact=True), stage.scene.index
+    sim.reset_to(initial_states(stage.ref)[0])
+    sim.settle()
+    flat = sim.flat_state
+    qpos = flat[1 : 1 + stage.scene.model.nq]
+    qpos[index.qpos_slice(index.free_joint(name))][:3] = position(lambda other: sim.data.xpos[index.root_body(other)])
+    sim.reset_to(flat)
+    sim.settle(40)
+    return sim.flat_state
+
+
+def test_what_lies_on_the_object_to_be_moved_is_recorded_with_each_attempt(bowl, knowledge):
+    from runtime.trace.narrate import narrate
+
+    cheese = moved(bowl, "cream_cheese_1", lambda at: at("akita_black_bowl_1") + np.array([0.0, 0.0, 0.05]))
+    episode = bowl.perform(-1, 12, state=cheese).episode
+    (attempt,) = episode.attempts
+    assert episode.outcome == "unresolved"
+    told = [(knowledge.schema.notations[d.failure], str(d.fact), d.precondition) for d in attempt.diagnoses]
+    assert told == [
+        ("relation_missing", "on(akita_black_bowl_1, plate_1)", False),
+        ("predicate_mismatch", "not on(cream_cheese_1, akita_black_bowl_1)", True),
+    ]
+    assert attempt.diagnoses[1].truth is True
+    assert attempt.selected.diagnosis == attempt.diagnoses[0]
+    line = "  Before it, not on(cream_cheese_1, akita_black_bowl_1) should hold, and nothing has brought that about."
+    assert line in list(narrate(episode, knowledge.schema))
+    recorded_and_read_back(episode, knowledge)
+
+
+def test_an_object_that_no_grasp_reaches_is_an_attempt_without_an_application(bowl, knowledge):
+    from runtime.report.filmstrip import moments
+    from runtime.summary import episode_summary
+    from runtime.trace.narrate import narrate
+
+    seen = []
+    far = moved(bowl, "akita_black_bowl_1", lambda _: np.array([2.0, 2.0, 0.1]))
+    performance = bowl.perform(-1, 100, state=far, report=seen.append)
+    (attempt,) = performance.episode.attempts
+    assert seen == [attempt]
+    assert performance.episode.outcome == "unresolved"
+    assert (attempt.application, attempt.fault) == (None, "")
+    assert attempt.verification.outcome is False
+    (diagnosis,) = attempt.diagnoses
+    assert (knowledge.schema.notations[diagnosis.failure], diagnosis.margin < -1.0) == ("relation_missing", True)
+    assert local_name(attempt.selected.route) == "pick_and_place"
+    assert performance.bounds == (0, 0)
+    assert [(each.name, each.step) for each in moments(performance.actions, performance.bounds)] == [("as it stood", 0)]
+    assert "  Application: none, as `pick_and_place` had no candidate." in narrate(
+        performance.episode, knowledge.schema
+    )
+    (turn,) = episode_summary(performance.episode, knowledge.schema)["history"]
+    assert (turn["route"], turn["mode"], turn["steps"]) == ("pick_and_place", None, None)
+    recorded_and_read_back(performance.episode, knowledge)
 
 
 def test_a_horizon_that_is_too_short_ends_unresolved_and_says_so(stage):

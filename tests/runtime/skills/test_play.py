@@ -139,6 +139,7 @@ def test_the_horizon_is_never_exceeded(play, horizon):
     assert len(played.actions) == stage.sim.steps - before == horizon
     assert outcomes(played) == ["horizon"]
     assert played.tries[0].steps == horizon
+    assert played.left == ()
     assert not played.holds
 
 
@@ -215,6 +216,7 @@ def test_an_object_that_was_never_in_reach_ends_it_without_an_action():
     far_away(stage.world)
     played = stage.player.reactive(stage.sim, 300)
     assert played.tries == ()
+    assert [str(step) for step in played.left] == [f"On({BOWL}, plate_1)"]
     assert played.actions.shape == (0, 7)
     assert not played.holds
 

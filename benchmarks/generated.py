@@ -58,7 +58,8 @@ def generated_episode(rng: np.random.Generator, knowledge: Knowledge, index: int
 
 
 def _fact(rng: np.random.Generator, knowledge: Knowledge, number: int) -> Fact:
-    predicates = sorted(knowledge.schema.predicates)
+    # An episode acts on the state: what only a plan corrects has no route in one.
+    predicates = sorted({predicate for predicate, *_, level in knowledge.tables.routing if level == "state"})
     signature = knowledge.schema.predicates[predicates[rng.integers(len(predicates))]]
     arguments = tuple(
         _argument(rng, knowledge, parameter, 2 * number + place) for place, parameter in enumerate(signature.parameters)

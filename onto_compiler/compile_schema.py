@@ -27,19 +27,22 @@ from onto_compiler.sources import load_store
 __all__ = ["compile_schema", "load_schema", "read_hierarchy"]
 
 _PREDICATES = """
-SELECT ?this ?kind ?name ?domain ?range ?unit ?grounded ?definition WHERE {
+SELECT ?this ?kind ?name ?domain ?range ?unit ?grounded ?definition ?tolerance WHERE {
     ?this a ?kind . ?kind rdfs:subClassOf* core:Predicate .
     OPTIONAL { ?this skos:notation ?name } OPTIONAL { ?this skos:definition ?definition }
     OPTIONAL { ?this core:domain ?domain } OPTIONAL { ?this core:range ?range }
     OPTIONAL { ?this core:marginUnit ?unit } OPTIONAL { ?this core:groundedBy ?grounded }
+    OPTIONAL { ?this core:tolerance ?tolerance }
 } ORDER BY ?this ?kind"""
 _BINDINGS = """
-SELECT ?this ?native ?first ?second ?lifts ?grounded ?order ?pattern ?threshold ?tolerance ?premise ?domain WHERE {
+SELECT ?this ?native ?first ?second ?lifts ?grounded ?order ?pattern ?threshold ?tolerance ?premise ?domain ?margin
+WHERE {
     ?this a core:Binding ; core:native ?native ; core:lifts ?lifts ; core:groundedBy ?grounded .
     OPTIONAL { ?this core:nativeArgument1 ?first } OPTIONAL { ?this core:nativeArgument2 ?second }
     OPTIONAL { ?this core:order ?order } OPTIONAL { ?this core:landmarkPattern ?pattern }
     OPTIONAL { ?this core:bindsThreshold ?threshold } OPTIONAL { ?this core:premiseTolerance ?tolerance }
     OPTIONAL { ?this core:premiseGroundedBy ?premise } OPTIONAL { ?this core:nativeDomain ?domain }
+    OPTIONAL { ?this core:goalMargin ?margin }
 } ORDER BY ?order ?this"""
 _THRESHOLDS = """
 SELECT ?this ?category ?native ?above ?bound ?inclusive ?every ?unit WHERE {
@@ -139,6 +142,7 @@ def _predicates(store: Store, classes: Mapping[str, frozenset[str]]) -> dict[str
             margin_unit=row.get("unit"),
             grounded_by=row.get("grounded"),
             definition=row.get("definition", ""),
+            tolerance=float(row["tolerance"]) if "tolerance" in row else None,
         )
     return found
 
@@ -157,6 +161,7 @@ def _bindings(store: Store) -> tuple[Binding, ...]:
             premise_grounded_by=row.get("premise"),
             domain=row.get("domain", ""),
             premise_tolerance=float(row.get("tolerance", 0)),
+            goal_margin=float(row.get("margin", 0)),
         )
         for row in sorted(_rows(store, _BINDINGS), key=lambda row: (int(row.get("order", 1000)), row["this"]))
     )

@@ -10,6 +10,7 @@ __all__ = [
     "BASE",
     "CORE",
     "MAN",
+    "NAV",
     "OWL",
     "PREFIXES",
     "PROV",
@@ -31,6 +32,7 @@ BASE = "https://w3id.org/onto-evwm/"
 AUDIT = BASE + "audit#"
 CORE = BASE + "core#"
 MAN = BASE + "manipulation#"
+NAV = BASE + "navigation#"
 TRACE = BASE + "trace#"
 OWL = "http://www.w3.org/2002/07/owl#"
 PROV = "http://www.w3.org/ns/prov#"
@@ -50,6 +52,8 @@ PREFIXES = {
     "fail": "http://www.ease-crc.org/ont/failure_and_recovery.owl#",
     "lib": BASE + "libero#",
     "man": MAN,
+    "maze": BASE + "pointmaze#",
+    "nav": NAV,
     "owl": OWL,
     "pos": "http://purl.org/ieee1872-owl/pos#",
     "prov": PROV,

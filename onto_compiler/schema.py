@@ -36,6 +36,7 @@ class PredicateSignature:
     margin_unit: str | None  # a QUDT unit IRI; None where no continuous margin is defined
     grounded_by: str | None  # the registered name of the function that grounds it, unless its binding names another
     definition: str = ""
+    tolerance: float | None = None  # what its margin is counted from, in the margin's unit; None where it has none
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +68,7 @@ class Binding:
     premise_grounded_by: str | None = None  # what grounds the atom in :init, where that differs
     premise_tolerance: float = 0.0  # how far below zero the margin of an initial fact may lie after settling
     domain: str = ""  # the task domain whose predicate is meant; empty: LIBERO's
+    goal_margin: float = 0.0  # the smallest margin that satisfies a goal's fact
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,12 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias
 
 __all__ = [
+    "Agent",
     "ArticulatedFixture",
     "ArticulatedJoint",
+    "AtTarget",
     "BackOf",
+    "Ball",
     "Contact",
     "Container",
     "ContainerSite",
@@ -18,6 +21,7 @@ __all__ = [
     "Fact",
     "FailureName",
     "Fixture",
+    "FreeOf",
     "FrontOf",
     "InRegion",
     "Inside",
@@ -40,8 +44,11 @@ __all__ = [
     "StatusName",
     "Support",
     "SupportSite",
+    "Target",
     "Threshold",
     "UnitName",
+    "VelocityMatches",
+    "Wall",
     "Workspace",
 ]
 
@@ -59,11 +66,16 @@ FailureName: TypeAlias = Literal[
     "PredicateFailure",
     "RelationMismatch",
     "ReplayFailure",
+    "invalid_state",
     "joint_state",
+    "missing_entity_on_target",
     "predicate_mismatch",
     "rack_contact",
+    "relation_forbidden",
     "relation_missing",
+    "target_distance",
     "target_margin",
+    "velocity_mismatch",
 ]
 
 LevelName: TypeAlias = Literal[
@@ -88,8 +100,10 @@ OutcomeName: TypeAlias = Literal[
 ]
 
 PredicateName: TypeAlias = Literal[
+    "at_target",
     "back_of",
     "contact",
+    "free_of",
     "front_of",
     "in_region",
     "inside",
@@ -97,17 +111,22 @@ PredicateName: TypeAlias = Literal[
     "left_of",
     "on",
     "right_of",
+    "velocity_matches",
 ]
 
 RouteName: TypeAlias = Literal[
+    "longer_horizon",
+    "match_velocity",
     "move_joint",
     "object_relation_predicate",
     "pick_and_place",
     "place_in_region",
     "place_on_rack",
     "rack_contact_site",
+    "resample_around_margin",
     "source_joint_pose",
     "source_joint_residual",
+    "waypoint",
 ]
 
 SourceName: TypeAlias = Literal[
@@ -125,6 +144,7 @@ StatusName: TypeAlias = Literal[
 UnitName: TypeAlias = Literal[
     "N",
     "m",
+    "m s⁻¹",
     "rad",
 ]
 
@@ -167,6 +187,24 @@ class Support(Entity):
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Support"
 
 
+class Agent(Entity):
+    """Something that moves in the plane."""
+
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Agent"
+
+
+class Target(Entity):
+    """A place, and a velocity there, that an agent is to reach."""
+
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Target"
+
+
+class Wall(Entity):
+    """What an agent cannot pass."""
+
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Wall"
+
+
 class Threshold(Entity):
     """A constraint that compares one quantity with one bound."""
 
@@ -183,6 +221,12 @@ class Region(Site):
     """A rectangle of the workspace."""
 
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Region"
+
+
+class Ball(Agent):
+    """A point mass with a round body."""
+
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Ball"
 
 
 class ContainerSite(Site, Container):
@@ -366,3 +410,39 @@ class RightOf(Fact):
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#right_of"
     predicate: ClassVar[PredicateName] = "right_of"
     unit: ClassVar[UnitName | None] = "m"
+
+
+@dataclass(frozen=True)
+class AtTarget(Fact):
+    """Holds when the first argument is nearer to the second than the tolerance."""
+
+    first: Agent
+    second: Target
+    polarity: bool = True
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#at_target"
+    predicate: ClassVar[PredicateName] = "at_target"
+    unit: ClassVar[UnitName | None] = "m"
+
+
+@dataclass(frozen=True)
+class FreeOf(Fact):
+    """Holds when the first argument reaches no farther into the second than the tolerance."""
+
+    first: Agent
+    second: Wall
+    polarity: bool = True
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#free_of"
+    predicate: ClassVar[PredicateName] = "free_of"
+    unit: ClassVar[UnitName | None] = "m"
+
+
+@dataclass(frozen=True)
+class VelocityMatches(Fact):
+    """Holds when the velocities of the two arguments differ by less than the tolerance."""
+
+    first: Agent
+    second: Target
+    polarity: bool = True
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#velocity_matches"
+    predicate: ClassVar[PredicateName] = "velocity_matches"
+    unit: ClassVar[UnitName | None] = "m s⁻¹"

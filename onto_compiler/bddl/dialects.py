@@ -1,7 +1,7 @@
 """The dialects of BDDL: one grammar, and what a task file must have depends on the domain that it names.
 
 LIBERO-Plus and LIBERO-PRO write LIBERO's own dialect: what they vary is the scene and the instruction. BEHAVIOR's tasks
-name WordNet categories, bind variables by quantifiers, and have no instruction.
+name WordNet categories, bind variables by quantifiers, and have no instruction. PointMaze's tasks are ours.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-__all__ = ["BEHAVIOR", "DIALECTS", "LIBERO", "Dialect", "dialect_of"]
+__all__ = ["BEHAVIOR", "DIALECTS", "LIBERO", "POINTMAZE", "Dialect", "dialect_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,17 @@ BEHAVIOR: Final = Dialect(
     places=(),
     tolerant=True,
 )
-DIALECTS: Final = (LIBERO, BEHAVIOR)
+# A maze says what is in it, and its trials say where: no fact places anything.
+POINTMAZE: Final = Dialect(
+    name="PointMaze",
+    domains=frozenset({"pointmaze"}),
+    needed=("problem", "domain", "language", "init", "goal"),
+    supports=(),
+    contains=(),
+    opposites=(),
+    places=(),
+)
+DIALECTS: Final = (LIBERO, BEHAVIOR, POINTMAZE)
 
 
 def dialect_of(domain: str) -> Dialect:

@@ -171,8 +171,8 @@ class _Lifter:
             return _Result(problems=(Problem.at(atom.span, codes.ARGUMENT_TYPE, message, hint),))
         grounded_by = (self.premise and binding.premise_grounded_by) or binding.grounded_by
         fact = _fact(atom, signature.iri, entities, grounded_by, polarity=polarity)
-        tolerated = self.premise and binding.premise_tolerance > 0
-        return _Result(replace(fact, threshold=-binding.premise_tolerance) if tolerated else fact)
+        needed = -max(binding.premise_tolerance, 0.0) if self.premise else binding.goal_margin
+        return _Result(replace(fact, threshold=needed) if needed else fact)
 
     def threshold(self, category: str, native: str) -> JointThreshold | None:
         """The threshold of ``category`` for ``native``; predicates are compared without case."""

@@ -48,6 +48,8 @@ def _besides(binding: Binding) -> Iterator[Html]:
         yield element("p", "as an initial fact grounded by ", code(binding.premise_grounded_by))
     if binding.premise_tolerance:
         yield element("p", f"initial margin down to -{binding.premise_tolerance:g}")
+    if binding.goal_margin:
+        yield element("p", f"margin in a goal from {binding.goal_margin:g}")
 
 
 def thresholds_section(reference: Reference) -> Html:

@@ -22,7 +22,9 @@ __all__ = ["Reference", "Values", "read_reference"]
 
 Values = Mapping[str, tuple[NamedNode | Literal, ...]]  # by property IRI, in a fixed order
 _ALL = "SELECT DISTINCT ?s ?p ?o WHERE { ?s ?p ?o FILTER (isIRI(?s) && !isBLANK(?o)) }"
-_FIRST = tuple(BASE + name for name in ("core#", "manipulation#", "trace#", "libero#", "rules#"))
+_FIRST = tuple(
+    f"{BASE}{name}#" for name in ("core", "manipulation", "navigation", "trace", "libero", "pointmaze", "rules")
+)
 _KINDS = frozenset(
     (
         *(

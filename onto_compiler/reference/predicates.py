@@ -58,6 +58,8 @@ def _facts(reference: Reference, signature: PredicateSignature) -> Iterator[tupl
     yield "grounded by", joined(_commas([code(name) for name in functions])) or "no function yet"
     units = {signature.margin_unit} if signature.margin_unit else _threshold_units(reference, signature)
     yield "margin", ", ".join(unit_name(reference, unit) for unit in sorted(units)) or "no continuous margin"
+    if signature.tolerance is not None:
+        yield "tolerance", f"{signature.tolerance:g}"
     if bindings:
         yield "lifted by", reference.links(binding.iri for binding in bindings)
     failures = {entry.failure for (predicate, _, _), entry in tables.diagnosis.items() if predicate == signature.iri}

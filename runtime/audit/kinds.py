@@ -15,7 +15,7 @@ from onto_compiler.sources import load_store
 
 __all__ = ["Kind", "load_kinds"]
 
-_SYMBOLS = {"M": "m", "M-PER-SEC": "m/s", "RAD": "rad", "N": "N"}
+_SYMBOLS = {"M": "m", "M-PER-SEC": "m s⁻¹", "RAD": "rad", "N": "N"}
 _QUERY = """
 SELECT ?kind ?name ?measure ?most ?unit WHERE {
     ?kind rdfs:subClassOf+ audit:PremiseFailure ; audit:measuredBy ?measure .

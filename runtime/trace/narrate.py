@@ -15,7 +15,7 @@ from runtime.trace.reasons import Reasons
 
 __all__ = ["amount", "atom", "chain", "narrate", "outcome_sentence", "premise_sentence", "short_name", "unit_of"]
 
-_SYMBOLS = {"M": "m", "RAD": "rad", "N": "N"}
+_SYMBOLS = {"M": "m", "M-PER-SEC": "m s⁻¹", "RAD": "rad", "N": "N"}
 _SOURCES = {"sim": "the simulator", "pred": "the world model"}
 _OUTCOMES = {
     "retained": "The prediction satisfies every required fact and was retained; nothing was executed.",

@@ -10,7 +10,7 @@ from rdflib import RDF, Graph, Literal, URIRef
 import ontology
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
-from onto_compiler.rdf import CORE, MAN
+from onto_compiler.rdf import CORE, MAN, NAV
 from onto_compiler.rules import apply_rules, read_rules
 from onto_compiler.sources import load_store
 from onto_compiler.tables import ATTEMPT_STATUSES, FIRST, LEVELS, STATUSES, compile_tables
@@ -45,11 +45,20 @@ def cases(schema):
         graph.add((node, core("fact"), fact))
         graph.add((node, core("status"), URIRef(key[2])))
         observed[node] = key
-    failures = [f for f in sorted(schema.failures) if f.startswith(MAN)]
-    routes = [(None, level) for level in LEVELS] + [(iri, route.level) for iri, route in sorted(schema.routes.items())]
-    ways = [(*way[:3], *way[3]) for way in product(sorted(schema.predicates), failures, ATTEMPT_STATUSES, routes)]
-    for level, other in (("state", "pick_and_place"), ("action", "object_relation_predicate")):
-        ways += [(MAN + "on", failure, ATTEMPT_STATUSES[2], MAN + other, level) for failure in failures]
+    ways = []
+    for vocabulary in (MAN, NAV):  # no fact of one is sent to a route of the other
+        predicates, failures, ours = (
+            [iri for iri in sorted(terms) if iri.startswith(vocabulary)]
+            for terms in (schema.predicates, schema.failures, schema.routes)
+        )
+        routes = [(None, level) for level in LEVELS] + [(iri, schema.routes[iri].level) for iri in ours]
+        ways += [(*way[:3], *way[3]) for way in product(predicates, failures, ATTEMPT_STATUSES, routes)]
+    for level, other in (
+        ("state", "pick_and_place"),
+        ("action", "object_relation_predicate"),
+        ("plan", "rack_contact_site"),
+    ):
+        ways += [(MAN + "on", f, ATTEMPT_STATUSES[2], MAN + other, level) for f in schema.failures if f.startswith(MAN)]
     for number, key in enumerate(way for way in ways if (way[2] == FIRST) == (way[3] is None)):
         node = URIRef(f"{CASE}failed:{number}")
         fact = URIRef(f"{node}:fact")
@@ -91,8 +100,8 @@ def test_oxigraph_concludes_what_pyshacl_concludes(by_pyshacl):
     )
     found.parse(data=rows, format="nt")
     assert conclusions(found, given) == expected
-    assert len(observed) == 72
-    assert len(failed) == 9 * 5 * (3 + 2 * 8) + 2 * 5
+    assert len(observed) == (9 + 3) * 2 * 4
+    assert len(failed) == 9 * 5 * (3 + 2 * 8) + 3 * 5 * (3 + 2 * 4) + 3 * 5
     assert len(expected) > 1000
 
 
@@ -124,7 +133,7 @@ def test_every_unsatisfied_status_is_diagnosed_and_every_diagnosis_is_routed():
     tables, schema = knowledge.tables, knowledge.schema
     for predicate, polarity, status in product(schema.predicates, (True, False), STATUSES[1:]):
         failure = tables.diagnosis[predicate, polarity, status].failure
-        for level in ("state", "action"):
+        for level in ("plan",) if predicate.startswith(NAV) else ("state", "action"):
             assert (predicate, failure, FIRST, None, level) in tables.routing
         for attempt, previous, level in product(ATTEMPT_STATUSES[1:], schema.routes, LEVELS):
             entry = tables.routing.get((predicate, failure, attempt, previous, level))
@@ -164,6 +173,27 @@ def test_the_router_table_of_the_paper():
         assert (again.route, again.decision) == (MAN + "source_joint_residual", CORE + "Retry")
 
 
+def test_where_an_unmet_fact_of_navigation_is_sent():
+    tables = load_knowledge().tables
+    expected = {
+        ("at_target", "Absent"): ("EntityMissing", "longer_horizon", "waypoint"),
+        ("at_target", "ExplicitlyFalse"): ("EntityMissing", "longer_horizon", "waypoint"),
+        ("at_target", "MarginViolated"): ("TargetDistance", "resample_around_margin", "waypoint"),
+        ("velocity_matches", "ExplicitlyFalse"): ("VelocityMismatch", "match_velocity", "match_velocity"),
+        ("velocity_matches", "MarginViolated"): ("VelocityMismatch", "match_velocity", "match_velocity"),
+        ("free_of", "ExplicitlyFalse"): ("InvalidState", "resample_around_margin", "waypoint"),
+        ("free_of", "MarginViolated"): ("InvalidState", "resample_around_margin", "waypoint"),
+    }
+    for (predicate, status), (failure, first, then) in expected.items():
+        assert tables.diagnosis[NAV + predicate, True, CORE + status].failure == NAV + failure
+        key = (NAV + predicate, NAV + failure)
+        assert tables.routing[(*key, FIRST, None, "plan")].route == NAV + first
+        assert tables.routing[(*key, CORE + "RepeatAttempt", NAV + first, "plan")].route == NAV + then
+        exhausted = tables.routing.get((*key, CORE + "ExhaustedAttempt", NAV + then, "plan"))
+        # What has no successor is done when its candidates are; the last of a chain returns to the first.
+        assert exhausted is None if first == then else exhausted.route == NAV + first
+
+
 def test_a_rejected_action_is_retried_within_its_route_until_no_candidate_is_left():
     tables, schema = load_knowledge().tables, load_knowledge().schema
     first = {key: entry for key, entry in tables.routing.items() if key[2] == FIRST and key[4] == "action"}
@@ -179,7 +209,9 @@ def test_a_rejected_action_is_retried_within_its_route_until_no_candidate_is_lef
 
 def test_routes_of_one_level_are_all_that_a_run_of_this_level_is_sent_to():
     tables, schema = load_knowledge().tables, load_knowledge().schema
-    assert {key[4] for key in tables.routing} == {"state", "action"}
+    assert {key[4] for key in tables.routing} == set(LEVELS)
+    assert {key[4] for key in tables.routing if key[0].startswith(MAN)} == {"state", "action"}
+    assert {key[4] for key in tables.routing if key[0].startswith(NAV)} == {"plan"}
     assert all(schema.routes[entry.route].level == key[4] for key, entry in tables.routing.items())
     assert all(key[3] is None or schema.routes[key[3]].level == key[4] for key in tables.routing)
 

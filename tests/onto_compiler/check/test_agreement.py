@@ -49,7 +49,7 @@ def test_a_status_that_a_rule_lost_is_told_at_the_rules_for_each_kind(tmp_path):
     model = damaged(tmp_path, "{ core:Absent core:ExplicitlyFalse }", "{ core:Absent }")
     findings = list(check_agreement(model))
     assert {one.code for one in findings} == {"RUL016"}
-    assert {one.subject.value.rpartition("#")[2] for one in findings} == {"diagnosis"}
+    assert {one.subject.value.rpartition("#")[2] for one in findings} == {"diagnosis", "navigation"}
     kinds = {one.values["kind"].value.rpartition("#")[2] for one in findings}
     assert kinds == {"ContactRelation", "ObjectRelation", "RegionRelation"}
     assert all("required to hold and ExplicitlyFalse" in one.message for one in findings)

@@ -69,9 +69,9 @@ def test_the_shipped_rules_are_all_read():
     model = load_model()
     assert list(check_rules(model)) == []
     texts = [row["text"].value for row in model.rows("SELECT ?text WHERE { ?rule sh:construct ?text }")]
-    assert len(texts) == 10
+    assert len(texts) == 15
     for text in texts:
-        namespaces = {"core": "c:", "man": "m:", "rdfs": "r:", "rule": "u:"}
+        namespaces = {"core": "c:", "man": "m:", "nav": "n:", "rdfs": "r:", "rule": "u:"}
         found = read_construct(text, namespaces)
         assert found.writes
         assert {step.subject for step in found.writes} == {"this"}

@@ -49,7 +49,7 @@ MAX_SPEED = 5.0
 SUCCESS_RADIUS = 0.5
 """A trial succeeds when the ball is nearer than this to the goal, metres."""
 BALL, TARGET, WALL = "ball", "target", "wall"
-"""The bodies' names in the model, which are the task files' names of the same things."""
+"""What task files call the things of a maze; the body of each is ``NAME_main``, as in LIBERO's scenes."""
 
 _ORIGIN = 1.2
 """Where the ball's body stands in the world, in x and in y: what a state's position is counted from."""
@@ -145,9 +145,9 @@ _MJCF = """\
 <mujoco model="pointmaze_{name}">
   <compiler inertiafromgeom="true" angle="radian"/>
   <option timestep="{step}" gravity="0 0 0" iterations="20" integrator="Euler"/>
-  <size nuserdata="2"/>
+  <size nuserdata="4"/>
   <custom>
-    <numeric name="{target}_velocity" data="0"/>
+    <numeric name="{target}_state" data="0"/>
   </custom>
   <default>
     <joint damping="1" limited="false"/>
@@ -155,15 +155,15 @@ _MJCF = """\
   </default>
   <worldbody>
     <geom name="ground" type="plane" size="40 40 0.25" pos="0 0 -0.1" contype="1" conaffinity="0"/>
-    <body name="{ball}" pos="{origin} {origin} 0">
+    <body name="{ball}_main" pos="{origin} {origin} 0">
       <joint name="{ball}_x" type="slide" axis="1 0 0"/>
       <joint name="{ball}_y" type="slide" axis="0 1 0"/>
       <geom name="{ball}_geom" type="sphere" size="{radius}" contype="1"/>
     </body>
-    <body name="{target}" mocap="true" pos="{origin} {origin} 0">
+    <body name="{target}_main" mocap="true" pos="{origin} {origin} 0">
       <site name="{target}_site" size="0.2" rgba="0.6 0.3 0.3 1"/>
     </body>
-    <body name="{wall}">
+    <body name="{wall}_main">
 {walls}
     </body>
   </worldbody>

@@ -67,7 +67,7 @@ def test_clearance_takes_states_of_any_leading_shape():
 
 def test_the_point_mass_weighs_and_moves_as_the_published_one():
     model = U_MAZE.model
-    assert model.body("ball").mass == pytest.approx(4.18879)
+    assert model.body("ball_main").mass == pytest.approx(4.18879)
     assert model.opt.timestep == 0.01
     assert model.dof_damping.tolist() == [1, 1]
     assert model.actuator_gear[:, 0].tolist() == [100, 100]

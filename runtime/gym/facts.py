@@ -38,9 +38,12 @@ class Report:
 class FactReporter:
     """Grounds and diagnoses the required facts of one scene."""
 
-    def __init__(self, scene: Scene, required: RequiredABox, knowledge: Knowledge) -> None:
-        """Resolve every fact in ``scene``; raises ``SIM001`` ff. where one names what the scene lacks."""
-        self._required, self._knowledge = required, knowledge
+    def __init__(self, scene: Scene, required: RequiredABox, knowledge: Knowledge, *, level: str = "state") -> None:
+        """Resolve every fact in ``scene``; failures are sent to routes of ``level``.
+
+        Raises ``SIM001`` ff. where a fact names what the scene lacks.
+        """
+        self._required, self._knowledge, self._level = required, knowledge, level
         self._goal = SimGrounder(scene, required.facts, knowledge.schema)
         self._premise = SimGrounder(scene, required.premise, knowledge.schema)
         self._polarity = np.array([fact.polarity for fact in required.facts], dtype=np.bool_)
@@ -61,7 +64,7 @@ class FactReporter:
                 "margin": _number(found.margin),
                 "limit": found.limit,
                 "failure": short_name(found.failure, knowledge.schema),
-                "route": short_name(route(found, knowledge).route, knowledge.schema),
+                "route": short_name(route(found, knowledge, level=self._level).route, knowledge.schema),
                 "rule": knowledge.schema.labels.get(found.rule, found.rule),
             }
             for found in diagnose_goal(required, observation, knowledge.tables)

@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError
+from runtime.pointmaze.maze import Maze
 
-__all__ = ["PUBLISHED", "Trial", "trial", "trial_seed", "trials"]
+__all__ = ["PUBLISHED", "Trial", "trial", "trial_in", "trial_seed", "trials"]
 
 PUBLISHED = 50
 """How many trials the published table has: numbers 0 to 49."""
@@ -24,6 +25,8 @@ _LOW, _HIGH = 0.5, 3.1
 """Of a position that is drawn, in x and in y, metres."""
 _INNER, _OUTER = 1.1, 2.5
 """Where the two arms of the U end and begin in x; between them, y begins at ``_OUTER`` as well."""
+_ROOM = 0.1
+"""Between the ball and the walls where it is drawn, metres."""
 _SPEED = 5.2262554
 """The greatest velocity that is drawn, either way, metres per second."""
 
@@ -56,6 +59,25 @@ def trial(number: int) -> Trial:
     """The trial of that number; raises ``OntoError`` PMZ005 for a number that has none."""
     random = np.random.RandomState(trial_seed(number))
     return Trial(number, _drawn(random), _drawn(random))
+
+
+def trial_in(maze: Maze, number: int) -> Trial:
+    """The trial of that number in ``maze``: the published one in DINO-WM's, and one of the same kind in any other.
+
+    There, positions are uniform over the free space 0.1 metres off the walls. Raises as :func:`trial`.
+    """
+    if maze.name == "u_maze":
+        return trial(number)
+    random = np.random.RandomState(trial_seed(number))
+
+    def drawn() -> NDArray[np.float64]:
+        low_x, low_y, high_x, high_y = maze.extent
+        while True:
+            place = random.uniform((low_x, low_y), (high_x, high_y))
+            if maze.free(place, _ROOM):
+                return np.concatenate([place, random.uniform(-_SPEED, _SPEED, 2)])
+
+    return Trial(number, drawn(), drawn())
 
 
 def trials(numbers: Iterable[int]) -> tuple[Trial, ...]:

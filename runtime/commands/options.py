@@ -3,14 +3,33 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 __all__ = ["add_budget", "add_state", "add_task"]
 
 
+class _InSuite(argparse.Action):
+    """Joins a suite and the index or name that follows it."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: str | Sequence[object] | None,
+        option_string: str | None = None,
+    ) -> None:
+        del parser, option_string
+        if values is not None:
+            namespace.task = f"{namespace.task}/{values}"
+
+
 def add_task(parser: argparse.ArgumentParser) -> None:
-    """The positional argument TASK."""
+    """The positional argument TASK, also as two words."""
     parser.add_argument("task", help="SUITE/INDEX or SUITE/NAME, e.g. libero_goal/8, or the path of a BDDL file")
+    parser.add_argument(
+        "within", nargs="?", action=_InSuite, metavar="INDEX", help="index or name, where the first is a suite alone"
+    )
 
 
 def add_state(parser: argparse.ArgumentParser) -> None:

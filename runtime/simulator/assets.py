@@ -94,11 +94,16 @@ def named_task(text: str) -> TaskRef:
         # Only official tasks have official initial states; any other starts from a seeded reset.
         return TaskRef("", 0, path.stem, path, Path())
     suite, slash, name = text.partition("/")
-    if not slash or not name:
-        raise OntoError.of(
-            "CLI004", f"`{text}` names no task", f"write SUITE/INDEX with a suite such as {', '.join(suites()[:5])}"
-        )
+    if not slash or not name or path.parent.suffix == ".bddl":
+        raise OntoError.of("CLI004", f"`{text}` names no task", _how_to_name(suite))
     return find_task(suite, int(name) if name.isdigit() else name)
+
+
+def _how_to_name(suite: str) -> str:
+    known = suites()
+    if suite in known:
+        return f"`{suite}` is a suite of {len(tasks(suite))} tasks: write {suite}/0 for the first"
+    return near(suite, known) or "write SUITE/INDEX, such as libero_goal/8, or the path of a task file"
 
 
 def initial_states(ref: TaskRef) -> NDArray[np.float64]:

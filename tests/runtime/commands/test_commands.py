@@ -142,6 +142,15 @@ def test_a_state_of_ones_own(capsys, tmp_path):
     assert out.startswith("put_the_bowl_on_the_plate (libero_goal, a given state, seed 0)\n")
 
 
+@pytest.mark.parametrize(
+    "task", [["libero_goal/8"], ["libero_goal", "8"], ["libero_goal", "put_the_bowl_on_the_plate"]]
+)
+def test_suite_and_task_are_one_word_or_two(capsys, task):
+    status, out, _ = run(capsys, "diagnose", *task, "--state", "2")
+    assert status == FINDINGS
+    assert out.startswith("put_the_bowl_on_the_plate, state 2: 1 unmet of 1 required\n")
+
+
 def test_a_state_is_an_official_one_or_a_given_one(capsys, tmp_path):
     path = state_file(tmp_path, official())
     status, _, err = run(capsys, "diagnose", "libero_goal/8", "--state", "3", "--state-file", path)
@@ -159,7 +168,14 @@ def test_a_state_file_that_was_cut_off_is_refused(capsys, tmp_path, share):
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
-        (["ground", "libero_goal"], "CLI004", "libero_goal"),
+        (
+            ["ground", "libero_goal"],
+            "CLI004",
+            "`libero_goal` is a suite of 10 tasks: write libero_goal/0 for the first",
+        ),
+        (["ground", "libero_gaol"], "CLI004", "did you mean `libero_goal`?"),
+        (["ground", "something"], "CLI004", "write SUITE/INDEX, such as libero_goal/8"),
+        (["ground", "nothing.bddl", "3"], "CLI004", "`nothing.bddl/3` names no task"),
         (["ground", "libero_gaol/8"], "SIM011", "did you mean `libero_goal`"),
         (["ground", "libero_goal/99"], "SIM012", "10 tasks"),
         (["ground", "libero_goal/put_the_bowl_on_the_plat"], "SIM012", "did you mean `put_the_bowl_on_the_plate`"),

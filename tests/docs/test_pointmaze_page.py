@@ -1,0 +1,75 @@
+"""What docs/pointmaze.md shows is what its commands and programs print, and what the ontology declares."""
+
+import inspect
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.rdf import NAV
+from onto_compiler.tables import ABSENT, EXPLICITLY_FALSE, FIRST, MARGIN_VIOLATED, REPEAT
+from runtime.cli import main
+
+pytestmark = pytest.mark.sim
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs/pointmaze.md").read_text()
+EXAMPLES = re.findall(r"(?s)```python\n(.*?)```\n\n```text\n(.*?)```", PAGE)
+
+
+def test_the_page_has_its_examples():
+    assert len(EXAMPLES) == len(re.findall("```python", PAGE)) >= 2
+
+
+@pytest.mark.parametrize(("program", "printed"), EXAMPLES)
+def test_an_example_prints_what_the_page_shows(program, printed, tmp_path):
+    path = tmp_path / "example.py"
+    path.write_text(program)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"}
+    done = subprocess.run(
+        [sys.executable, path], capture_output=True, encoding="utf-8", check=False, cwd=tmp_path, env=environment
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert done.stdout == printed
+
+
+def test_the_session_prints_what_the_page_shows(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    command, shown = re.search(r"(?s)```console\n\$ onto (compile .*?)\n(.*?)```", PAGE).groups()
+    assert main(command.split()) == 0
+    assert capsys.readouterr().out == shown
+
+
+def test_failures_and_routes_of_the_page_are_those_of_the_rules():
+    rows = [tuple(re.findall(r"`(\w+)`", line)) for line in PAGE.splitlines() if line.count("|") == 5]
+    shown = {row[0]: row[1:] for row in rows if len(row) == 3}
+    schema, tables = load_knowledge().schema, load_knowledge().tables
+    found = {}
+    for predicate in ("at_target", "velocity_matches", "free_of"):
+        for status in (ABSENT, EXPLICITLY_FALSE, MARGIN_VIOLATED):
+            failure = tables.diagnosis[NAV + predicate, True, status].failure
+            first = tables.routing[NAV + predicate, failure, FIRST, None, "plan"].route
+            then = tables.routing[NAV + predicate, failure, REPEAT, first, "plan"].route
+            found[schema.notations[failure]] = (schema.routes[first].name, schema.routes[then].name)
+    assert shown == found
+    assert len(found) == 4
+
+
+def test_tolerances_of_the_page_are_those_of_the_ontology():
+    schema = load_knowledge().schema
+    shown = {row[1]: float(row[2]) for row in re.finditer(r"\| `(\w+)\(ball, \w+\)` \| ([\d.]+) ", PAGE)}
+    assert shown == {p.name: p.tolerance for p in schema.predicates.values() if p.iri.startswith(NAV)}
+    margin = re.search(r"asks for a margin of ([\d.]+) m there", PAGE)[1]
+    assert [b.goal_margin for b in schema.bindings if b.lifts == NAV + "at_target"] == [float(margin)]
+
+
+def test_every_option_that_the_page_names_exists():
+    from runtime.pointmaze.environment import PointMazeEnv
+
+    options = set(inspect.signature(PointMazeEnv).parameters)
+    named = set(re.findall(r"`(\w+)=", PAGE.partition("## Many states at once")[0]))
+    assert named == {"observe", "size", "terminate", "maze"}
+    assert named <= options

@@ -42,7 +42,10 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _steps(text: str) -> int:
-    steps = int(text)
+    try:
+        steps = int(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"`{text}` is no number of control steps") from error
     if steps < 1:
         raise argparse.ArgumentTypeError(f"{steps} control steps, of which there must be one at least")
     return steps

@@ -54,12 +54,13 @@ def play(options: argparse.Namespace) -> int:
         if store is not None:
             _record(options.out, store, performance)
     episode, schema = performance.episode, stage.knowledge.schema
-    if options.film is not None:
-        _film(options.film, stage, performance)
     if options.format == "json":
         print_json(episode_summary(episode, schema))
     else:
         sys.stdout.write("\n".join(_story(performance, schema)) + "\n")
+    if options.film is not None:  # last: what cannot be drawn was told all the same
+        sys.stdout.flush()
+        _film(options.film, stage, performance)
     return CLEAN if episode.accepted else FINDINGS
 
 

@@ -1,6 +1,8 @@
 """``onto play`` as a person meets it: mistakes, exit codes, and what it leaves behind."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -42,7 +44,7 @@ def test_an_episode_that_is_cut_short_is_told_kept_and_no_success(capsys, tmp_pa
     ("arguments", "code", "says"),
     [
         (("libero_goal/8", "--horizon", "0"), "CLI002", "of which there must be one at least"),
-        (("libero_goal/8", "--horizon", "soon"), "CLI002", "soon"),
+        (("libero_goal/8", "--horizon", "soon"), "CLI002", "`soon` is no number of control steps"),
         (("libero_goal/8", "--film", "strip.gif"), "CLI002", "ends in none of .html, .jpg, .png"),
         (("libero_goal/8", "--candidates", "random"), "CLI002", "geometry"),
         (("libero_goal/99",), "SIM012", "10 tasks"),
@@ -58,3 +60,16 @@ def test_a_mistake_is_said_before_anything_is_built(capsys, tmp_path, monkeypatc
     assert out == ""
     assert f"error[{code}]" in err
     assert says in err
+
+
+def test_a_film_that_cannot_be_written_leaves_the_episode_told(tmp_path):
+    (tmp_path / "file").write_text("")
+    # MuJoCo settles how it draws when it is first imported, so that this needs a process of its own.
+    program = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
+    words = ["play", "libero_goal/8", "--horizon", "3", "--film", str(tmp_path / "file" / "strip.png")]
+    done = subprocess.run([sys.executable, "-c", program, *words], capture_output=True, text=True, check=False)
+    if "error[SIM031]" in done.stderr:
+        pytest.skip("no picture can be drawn on this machine")
+    assert done.returncode == MISUSE
+    assert done.stdout.endswith("3 of 3 control steps in 1 attempt, reactive play; 0 rehearsed\n")
+    assert "error[TRC001]" in done.stderr

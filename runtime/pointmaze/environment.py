@@ -38,8 +38,9 @@ class PointMazeEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
     """A ball in a maze; an action is a force along x and y in [-1, 1], and a step lasts 1/20 s.
 
     ``terminated`` is the published success, the ball nearer than 0.5 m to the target, with a reward of 1; ``truncated``
-    is the horizon. ``info`` holds ``success``, the distances from the goal, the typed ``facts`` of the goal with their
-    margins, and in ``failures`` a diagnosis and a plan route for each that is unmet.
+    is the horizon. ``info`` holds ``success``, the distances from the goal, ``progress`` (how many metres nearer to it
+    than at the start), the typed ``facts`` of the goal with their margins, and in ``failures`` a diagnosis and a plan
+    route for each that is unmet.
     """
 
     metadata = {  # noqa: RUF012  gymnasium declares it as an instance's
@@ -97,6 +98,7 @@ class PointMazeEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         self._state = np.zeros(STATE_DIM)
         self._goal = np.zeros(STATE_DIM)
         self._shown: NDArray[np.uint8] = np.empty((0,), np.uint8)
+        self._far = 0.0
         self._trial = -1
         self._steps = 0
 
@@ -110,6 +112,7 @@ class PointMazeEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         super().reset(seed=seed)
         self._trial, start, goal = self._begin(seed, options or {})
         self._state, self._goal, self._steps = start, goal, 0
+        self._far = float(judge(start, goal).position)
         self._shown = draw(self.maze, goal[None], self._size)[0]
         return self._observation(), self._info() | {"premise": self._reporter.premise(self._data)}
 
@@ -169,6 +172,7 @@ class PointMazeEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             "state_distance": float(verdict.distance),
             "position_distance": float(verdict.position),
             "velocity_distance": float(verdict.velocity),
+            "progress": self._far - float(verdict.position),
             "facts": report.facts,
             "failures": report.failures,
             "task": self._task,

@@ -66,6 +66,7 @@ def test_success_ends_an_episode_and_the_facts_say_what_is_left():
     assert (reward, info["success"], info["is_success"]) == (1.0, True, True)
     assert 0.0 < info["position_distance"] < 0.5
     assert info["state_distance"] == pytest.approx(np.hypot(info["position_distance"], info["velocity_distance"]))
+    assert info["progress"] == pytest.approx(0.55 - info["position_distance"])
     rows = {row["predicate"]: row for row in info["facts"]}
     assert rows["at_target"]["truth"]
     assert rows["at_target"]["margin"] == pytest.approx(0.5 - info["position_distance"])

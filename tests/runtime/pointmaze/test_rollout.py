@@ -3,6 +3,8 @@
 import mujoco
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from onto_compiler.problems import OntoError
 from runtime.pointmaze.maze import MAZES
@@ -47,6 +49,27 @@ def test_a_rollout_is_a_plain_loop_of_steps_bit_for_bit(name):
     touching = (maze.clearance(wanted) < 0.002).mean()
     assert 0.05 < touching < 0.95, "the comparison meets walls and open space"
     assert (np.abs(wanted[..., 2:]) > 5).any(), "the comparison meets velocities that are clipped"
+
+
+@settings(deadline=None, max_examples=300)
+@given(
+    cell=st.sampled_from(U_MAZE.centres.tolist()),
+    # From where nothing is touched to where a contact begins, and what is clipped at either end.
+    gap=st.floats(-0.01, 0.02),
+    along=st.floats(-0.5, 0.5),
+    speed=st.floats(-6, 6),
+    side=st.floats(-6, 6),
+    action=st.tuples(st.floats(-1.5, 1.5), st.floats(-1.5, 1.5)),
+    turned=st.booleans(),
+)
+def test_a_step_beside_a_wall_is_mujocos_own(cell, gap, along, speed, side, action, turned):
+    beside, tangent = (1, 0) if turned else (0, 1)
+    state = np.array([*cell, 0.0, 0.0])
+    state[beside] += 0.4 - gap
+    state[tangent] += along
+    state[2 + beside], state[2 + tangent] = speed, side
+    found = Rollout(U_MAZE).states(state[None], np.array([[action]]))
+    assert np.array_equal(found[0], stepped(U_MAZE, state, [action]))
 
 
 def test_two_threads_find_what_one_finds():

@@ -13,12 +13,13 @@ from runtime.pointmaze.rollout import Rollout
 pytestmark = pytest.mark.sim
 
 U_MAZE = MAZES["u_maze"]
+ROLLOUT = Rollout(U_MAZE)
+DATA = {maze: mujoco.MjData(maze.model) for maze in (U_MAZE, MAZES["medium"])}
 
 
 def stepped(maze, state, actions):
     """The states of one trajectory (T + 1, 4), by a plain loop of ``mj_step`` from a reset at each environment step."""
-    model = maze.model
-    data = mujoco.MjData(model)
+    model, data = maze.model, DATA[maze]
     states = [np.asarray(state)]
     for action in actions:
         mujoco.mj_resetData(model, data)
@@ -51,7 +52,7 @@ def test_a_rollout_is_a_plain_loop_of_steps_bit_for_bit(name):
     assert (np.abs(wanted[..., 2:]) > 5).any(), "the comparison meets velocities that are clipped"
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=200)
 @given(
     cell=st.sampled_from(U_MAZE.centres.tolist()),
     # From where nothing is touched to where a contact begins, and what is clipped at either end.
@@ -68,7 +69,7 @@ def test_a_step_beside_a_wall_is_mujocos_own(cell, gap, along, speed, side, acti
     state[beside] += 0.4 - gap
     state[tangent] += along
     state[2 + beside], state[2 + tangent] = speed, side
-    found = Rollout(U_MAZE).states(state[None], np.array([[action]]))
+    found = ROLLOUT.states(state[None], np.array([[action]]))
     assert np.array_equal(found[0], stepped(U_MAZE, state, [action]))
 
 

@@ -1,0 +1,84 @@
+"""phi_pred: what a world model imagines, as facts (paper, section 3): the predicted ABox, in the simulator's words.
+
+A predicted fact holds where its score passes a half. It has a margin and a score as well, and says nothing of success:
+a satisfied prediction may keep a plan, and only the native predicate accepts what came of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from grounding.observation import Observation
+from grounding.world_model.dynamics import Imagined, spread
+from grounding.world_model.facts import FactHead
+from onto_compiler.problems import OntoError, Problem
+from onto_compiler.required import Fact
+from onto_compiler.schema import local_name
+
+__all__ = ["Goal", "PredGrounder", "Predicted"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Goal:
+    """The goal as it is observed: ``features`` (D,) of its picture, ``proprio`` (P,), and what of it is ``sensed``."""
+
+    features: torch.Tensor
+    proprio: torch.Tensor
+    sensed: torch.Tensor
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Predicted:
+    """Of candidates and required facts, each (..., F): ``margin`` in the TBox's unit, ``score`` from 0 to 1.
+
+    Both are means over the members of the dynamics.
+    """
+
+    margin: torch.Tensor
+    score: torch.Tensor
+
+    def observation(self, *candidate: int, step: int) -> Observation:
+        """The predicted ABox of one candidate at an environment step."""
+        margin = self.margin[candidate].detach().cpu().numpy().astype(np.float64)
+        score = self.score[candidate].detach().cpu().numpy().astype(np.float64)
+        return Observation(
+            source="pred",
+            step=step,
+            observed=np.ones(len(margin), dtype=np.bool_),
+            truth=score > 0.5,
+            margin=margin,
+            score=score,
+            limit=("",) * len(margin),
+        )
+
+
+class PredGrounder:
+    """Grounds ``facts`` by ``head``, whose columns it puts in their order."""
+
+    def __init__(self, head: FactHead, facts: Sequence[Fact], file: str = "") -> None:
+        """Raises ``WM013``, a problem for each fact that the head was not trained for."""
+        self.head, self.facts = head, tuple(facts)
+        missing = [fact for fact in facts if local_name(fact.predicate) not in head.facts]
+        if missing:
+            known = ", ".join(f"`{name}`" for name in head.facts)
+            hint = f"it was trained for {known}; train it on a task that requires this predicate"
+            raise OntoError(*(_untrained(fact, file, hint) for fact in missing))
+        self._columns = [head.facts.index(local_name(fact.predicate)) for fact in self.facts]
+
+    def ground(self, imagined: Imagined, goal: Goal, *, every: bool = False) -> Predicted:
+        """Facts at the end of each of N candidates (N, F), or with ``every`` after each of H macro steps (N, H, F)."""
+        features, proprio = imagined.features, imagined.proprio
+        if not every:
+            features, proprio = features[:, :, -1], proprio[:, :, -1]
+        doubt = spread(proprio, self.head.scaling.scale)
+        margin, logit = self.head(features, proprio, goal.features, goal.proprio, doubt, goal.sensed)
+        return Predicted(margin.mean(dim=0)[..., self._columns], logit.sigmoid().mean(dim=0)[..., self._columns])
+
+
+def _untrained(fact: Fact, file: str, hint: str) -> Problem:
+    line, column = (fact.span.line, fact.span.column) if fact.span else (0, 0)
+    return Problem(file, line, column, "WM013", "error", f"the fact head was not trained for `{fact}`", hint)

@@ -1,0 +1,100 @@
+"""One training loop: AdamW with a linearly falling rate, kept on disk as it goes.
+
+Every step draws its batch from a generator of its own, seeded by seed and step. What is kept holds the weights and the
+optimiser's moments, so a run that is resumed ends, bit for bit, as one that was never interrupted.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+
+from grounding.world_model.checkpoint import Card, load, save
+
+__all__ = ["Schedule", "fit"]
+
+_KEPT_EVERY = 20.0
+"""Seconds between two times that the state is written."""
+_ARCHITECTURE = "training"
+
+Loss = Callable[[torch.Generator], torch.Tensor]
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """``steps`` of AdamW from ``rate`` down to a hundredth of it, with ``decay`` of the weights."""
+
+    steps: int
+    rate: float = 2e-3
+    decay: float = 1e-5
+
+
+def fit(
+    module: torch.nn.Module,
+    loss: Loss,
+    schedule: Schedule,
+    seed: int,
+    kept: Path,
+    say: Callable[[int, float], None] = lambda _step, _loss: None,
+) -> None:
+    """Minimise ``loss`` over the trainable weights of ``module``, in place; ``kept`` is where an interrupted run lies.
+
+    ``say(step, loss)`` is told of the progress. The file ``kept`` is removed when the last step is done.
+
+    Raises:
+        OntoError: ``WM005`` where the loss stops being a finite number, ``WM006`` where ``kept`` cannot be written,
+            ``WM002`` and ``WM004`` where it is damaged or of another network.
+    """
+    trained = {name: weight for name, weight in module.named_parameters() if weight.requires_grad}
+    optimiser = torch.optim.AdamW(trained.values(), lr=schedule.rate, weight_decay=schedule.decay, fused=True)
+    about = Card(_ARCHITECTURE, {"steps": schedule.steps, "rate": schedule.rate, "decay": schedule.decay}, seed=seed)
+    begin = _resumed(trained, optimiser, kept, about)
+    written = time.monotonic()
+    for step in range(begin, schedule.steps):
+        for group in optimiser.param_groups:
+            group["lr"] = schedule.rate * max(1 - step / schedule.steps, 0.01)
+        found = loss(torch.Generator().manual_seed(seed * 1_000_003 + step))
+        optimiser.zero_grad(set_to_none=True)
+        found.backward()
+        torch.nn.utils.clip_grad_norm_(trained.values(), 1.0, error_if_nonfinite=False)
+        optimiser.step()
+        if step % 100 == 99 or step == schedule.steps - 1:
+            say(step + 1, float(found.detach()))
+        if time.monotonic() - written > _KEPT_EVERY and step < schedule.steps - 1:
+            save(kept, _state(trained, optimiser, step + 1), about)
+            written = time.monotonic()
+    kept.unlink(missing_ok=True)
+
+
+def _state(
+    trained: dict[str, torch.nn.Parameter], optimiser: torch.optim.Optimizer, step: int
+) -> dict[str, torch.Tensor]:
+    found: dict[str, torch.Tensor] = {"step": torch.tensor(step)}
+    for name, weight in trained.items():
+        moments = optimiser.state[weight]
+        found[f"weight.{name}"] = weight.detach()
+        found |= {f"{moment}.{name}": moments[moment] for moment in ("exp_avg", "exp_avg_sq")}
+    return found
+
+
+def _resumed(trained: dict[str, torch.nn.Parameter], optimiser: torch.optim.Optimizer, kept: Path, about: Card) -> int:
+    """The step to go on from: 0, or that of the file ``kept``, if it is of this schedule and seed."""
+    if not kept.exists():
+        return 0
+    found = load(kept, _ARCHITECTURE)
+    if (dict(found.card.parameters), found.card.seed) != (dict(about.parameters), about.seed):
+        return 0
+    step = int(found.tensors["step"])
+    with torch.no_grad():
+        for name, weight in trained.items():
+            weight.copy_(found.tensors[f"weight.{name}"])
+            optimiser.state[weight] = {
+                "step": torch.tensor(float(step)),
+                "exp_avg": found.tensors[f"exp_avg.{name}"].clone(),
+                "exp_avg_sq": found.tensors[f"exp_avg_sq.{name}"].clone(),
+            }
+    return step

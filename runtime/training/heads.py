@@ -1,0 +1,182 @@
+"""What trains the heads: imagined and true ends of pieces of trajectories, against goals, labelled by the simulator.
+
+A goal is a state of some trajectory with its picture's features, half of the time one that lies near the end, where
+the facts are decided; a picture does not show velocity, so a goal's velocity may be drawn anew. In a third of the
+batches velocity is not sensed: the heads learn to do without.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch.nn import functional
+
+from grounding.world_model.dynamics import Dynamics, spread
+from grounding.world_model.events import EventHead
+from grounding.world_model.facts import FactHead
+from runtime.training.frames import Frames, segments
+from runtime.training.motion import generator_of
+
+__all__ = ["Ends", "Labels", "Sampler", "event_loss", "fact_loss"]
+
+_SEGMENTS = 64
+_HORIZON = 5
+_NEAR = 64
+"""Of how many frames a near goal is the nearest."""
+_VELOCITIES = (0.1, 0.5, 2.0)
+"""Standard deviations of a drawn goal velocity around the end's."""
+
+Margins = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+Distances = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+
+
+@dataclass(frozen=True, slots=True)
+class Labels:
+    """The simulator's word: ``margins`` of states and goals (B, P) to (B, F), ``remaining`` metres of way to (B,).
+
+    ``success``, ``valid``: which columns of the margins say, by their sign, that the task succeeds and that a state is
+    valid.
+    """
+
+    margins: Margins
+    remaining: Distances
+    success: int
+    valid: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ends:
+    """Rows of a batch: what a head reads of them, and what is true of them."""
+
+    features: torch.Tensor
+    proprio: torch.Tensor
+    goal_features: torch.Tensor
+    goal_proprio: torch.Tensor
+    spread: torch.Tensor
+    sensed: torch.Tensor
+    margins: torch.Tensor  # (B, F)
+    remaining: torch.Tensor  # (B,) metres
+    error: torch.Tensor  # (B,) of the proprioception, in its scale
+    mismatch: torch.Tensor  # (B,) of the features, in their scale
+
+
+class Sampler:
+    """Draws :class:`Ends`; ``sensed`` (P,) is what is left where velocity is not sensed."""
+
+    def __init__(self, dynamics: Dynamics, frames: Frames, labels: Labels, sensed: torch.Tensor) -> None:
+        self.dynamics, self.frames, self.labels, self.sensed = dynamics, frames, labels, sensed
+        size = frames.states.shape[-1]
+        self._marks = frames.marks.reshape(-1, size)
+        self._looks = np.asarray(frames.features).reshape(-1, frames.features.shape[-1])
+
+    @torch.no_grad()  # type: ignore[untyped-decorator]
+    def ends(self, random: np.random.Generator, count: int = _SEGMENTS) -> Ends:
+        """``count`` pieces, each with an end after every macro step: imagined by all members, and true."""
+        dynamics, frames = self.dynamics, self.frames
+        blind = random.random() < 1 / 3
+        which, mark = segments(frames, random, count, _HORIZON)
+        begin, known = self._begin(which, mark, blind=blind)
+        steps = mark[:, None] * dynamics.macro + np.arange(_HORIZON * dynamics.macro)
+        actions = torch.from_numpy(frames.actions[which[:, None], steps]).unflatten(1, (_HORIZON, dynamics.macro))
+        looks = torch.from_numpy(frames.features[which, mark])
+        found = dynamics.imagine(looks, begin, actions)
+        marks = mark[:, None] + np.arange(1, _HORIZON + 1)
+        true = torch.from_numpy(frames.marks[which[:, None], marks]).flatten(0, 1)
+        true_looks = torch.from_numpy(frames.features[which[:, None], marks]).flatten(0, 1)
+        proprio, features = found.proprio.flatten(1, 2), found.features.flatten(1, 2)
+        doubt = spread(proprio, dynamics.motion.scale)
+        goal, goal_looks = self._goals(true.numpy(), random)
+        margins = torch.from_numpy(self.labels.margins(true.numpy().astype(np.float64), goal.astype(np.float64)))
+        remaining = torch.from_numpy(self.labels.remaining(true.numpy().astype(np.float64), goal.astype(np.float64)))
+        members = dynamics.members
+
+        def every(imagined: torch.Tensor, exact: torch.Tensor) -> torch.Tensor:
+            """The rows of all members, then the true ones."""
+            return torch.cat([imagined.flatten(0, 1), exact])
+
+        def again(rows: torch.Tensor) -> torch.Tensor:
+            return rows.repeat(members + 1, *[1] * (rows.ndim - 1))
+
+        all_proprio, all_looks = every(proprio, true), every(features, true_looks)
+        error = ((all_proprio - again(true)) / dynamics.motion.scale).square().mean(dim=-1).sqrt()
+        mismatch = ((all_looks - again(true_looks)) / dynamics.feature_scale).square().mean(dim=-1).sqrt()
+        goals, goal_features = torch.from_numpy(goal), torch.from_numpy(goal_looks)
+        doubts = every(doubt.expand(members, -1), torch.zeros(len(true)))
+        return Ends(
+            all_looks, all_proprio, again(goal_features), again(goals), doubts, known.expand(len(all_proprio), -1),
+            again(margins.float()), again(remaining.float()), error, mismatch,
+        )  # fmt: skip
+
+    def _begin(self, which: np.ndarray, mark: np.ndarray, *, blind: bool) -> tuple[torch.Tensor, torch.Tensor]:
+        """The proprioception (B, P) that pieces begin with, and what of it is sensed (P,)."""
+        latest = torch.from_numpy(self.frames.marks[which, mark])
+        if not blind:
+            return latest, torch.ones_like(self.sensed)
+        proprio, actions = self._histories(which, mark)
+        guess = self.dynamics.estimated(proprio, actions, self.sensed.expand(len(which), -1))
+        return torch.where(self.sensed, latest, guess), self.sensed
+
+    def _histories(self, which: np.ndarray, mark: np.ndarray) -> tuple[torch.Tensor, torch.Tensor]:
+        length, macro = self.dynamics.history, self.dynamics.macro
+        marks = mark[:, None] + np.arange(1 - length, 1)
+        there = marks >= 0
+        proprio = torch.from_numpy(self.frames.marks[which[:, None], np.maximum(marks, 0)])
+        proprio[torch.from_numpy(~there)] = torch.nan
+        steps = np.maximum(marks[:, :-1, None], 0) * macro + np.arange(macro)
+        actions = torch.from_numpy(self.frames.actions[which[:, None, None], steps])
+        actions[torch.from_numpy(~there[:, :-1])] = torch.nan
+        return proprio, actions
+
+    def _goals(self, ends: NDArray[np.float32], random: np.random.Generator) -> tuple[NDArray[np.float32], np.ndarray]:
+        """Goal states (B, P) and the features of their pictures (B, D)."""
+        count = len(ends)
+        row = random.integers(len(self._marks), size=count)
+        near = np.flatnonzero(random.random(count) < 0.5)
+        drawn = random.integers(len(self._marks), size=(len(near), _NEAR))
+        gap = np.linalg.norm(self._marks[drawn, :2] - ends[near, None, :2], axis=-1)
+        row[near] = drawn[np.arange(len(near)), gap.argmin(axis=1)]
+        goal = self._marks[row].copy()
+        fresh = np.flatnonzero(random.random(count) < 0.5)
+        width = random.choice(_VELOCITIES, size=(len(fresh), 1))
+        goal[fresh, 2:] = ends[fresh, 2:] + width * random.standard_normal((len(fresh), goal.shape[1] - 2))
+        return goal, self._looks[row]
+
+
+def fact_loss(head: FactHead, sampler: Sampler) -> Callable[[torch.Generator], torch.Tensor]:
+    """The error of the margins, and the cross entropy of the truth that their signs tell."""
+
+    def loss(random: torch.Generator) -> torch.Tensor:
+        ends = sampler.ends(generator_of(random))
+        margin, logit = head(*_read(ends))
+        truth = functional.binary_cross_entropy_with_logits(logit, (ends.margins > 0).float())
+        return functional.smooth_l1_loss(margin, ends.margins, beta=0.1) + 0.3 * truth
+
+    return loss
+
+
+def event_loss(head: EventHead, sampler: Sampler) -> Callable[[torch.Generator], torch.Tensor]:
+    """The errors of all events."""
+    labels = sampler.labels
+
+    def loss(random: torch.Generator) -> torch.Tensor:
+        ends = sampler.ends(generator_of(random))
+        found = head(*_read(ends))
+        reached = torch.isfinite(ends.remaining)
+        entropy = functional.binary_cross_entropy_with_logits
+        return (
+            functional.smooth_l1_loss(found.remaining[reached], ends.remaining[reached], beta=0.1)
+            + 0.3 * entropy(found.success, (ends.margins[:, labels.success] > 0).float())
+            + 0.3 * entropy(found.feasibility, (ends.margins[:, labels.valid] > 0).float())
+            + 0.3 * entropy(found.consistency, torch.exp(-ends.mismatch))
+            + functional.smooth_l1_loss(found.uncertainty, ends.error, beta=0.1)
+        )
+
+    return loss
+
+
+def _read(ends: Ends) -> tuple[torch.Tensor, ...]:
+    return ends.features, ends.proprio, ends.goal_features, ends.goal_proprio, ends.spread, ends.sensed

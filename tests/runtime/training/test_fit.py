@@ -1,0 +1,70 @@
+"""One training loop: it learns, it resumes to the bit, and it says when it diverges."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import torch
+
+from runtime.training import fit as fitting
+from runtime.training.fit import Schedule, fit
+
+
+class StoppedError(Exception):
+    """An interruption."""
+
+
+def network() -> torch.nn.Module:
+    torch.manual_seed(0)
+    return torch.nn.Sequential(torch.nn.Linear(2, 16), torch.nn.SiLU(), torch.nn.Linear(16, 1))
+
+
+def loss_of(module: torch.nn.Module, stop_at: int | None = None):
+    calls = 0
+
+    def loss(random: torch.Generator) -> torch.Tensor:
+        nonlocal calls
+        calls += 1
+        if calls == stop_at:
+            raise StoppedError
+        rows = torch.rand((64, 2), generator=random)
+        return (module(rows)[:, 0] - rows.prod(dim=1)).square().mean()
+
+    return loss
+
+
+def test_the_loss_falls(tmp_path: Path):
+    said: list[float] = []
+    module = network()
+    fit(module, loss_of(module), Schedule(400), 3, tmp_path / "kept", lambda _step, loss: said.append(loss))
+    assert len(said) == 4
+    assert said[-1] < 0.3 * float(loss_of(network())(torch.Generator().manual_seed(0)).detach())
+
+
+def test_an_interrupted_run_ends_as_one_that_was_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    whole = network()
+    fit(whole, loss_of(whole), Schedule(60), 3, tmp_path / "whole")
+    monkeypatch.setattr(fitting, "_KEPT_EVERY", 0.0)
+    kept = tmp_path / "kept"
+    first = network()
+    with pytest.raises(StoppedError):
+        fit(first, loss_of(first, stop_at=31), Schedule(60), 3, kept)
+    assert kept.exists()
+    second = network()
+    fit(second, loss_of(second), Schedule(60), 3, kept)
+    assert not kept.exists()
+    for one, other in zip(whole.parameters(), second.parameters(), strict=True):
+        assert torch.equal(one, other)
+
+
+def test_what_another_seed_kept_is_not_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(fitting, "_KEPT_EVERY", 0.0)
+    kept, module = tmp_path / "kept", network()
+    with pytest.raises(StoppedError):
+        fit(module, loss_of(module, stop_at=10), Schedule(20), 3, kept)
+    steps: list[int] = []
+    other, straight = network(), network()
+    fit(other, loss_of(other), Schedule(20), 4, kept, lambda step, _loss: steps.append(step))
+    fit(straight, loss_of(straight), Schedule(20), 4, tmp_path / "straight")
+    assert torch.equal(next(other.parameters()), next(straight.parameters()))

@@ -1,7 +1,7 @@
 """Audited tasks on disk, one file each, so that an audit goes on where it stopped.
 
-A file's name is a hash of all that decides what it says: task file, initial states, seed, ontology, the versions of
-what simulates, and the sources of what measures. A file that cannot be read counts as none.
+A file's name is a hash of all that decides what it says: task file, initial states, seed, assets, ontology, the
+versions of what simulates, and the sources of what measures. A file that cannot be read counts as none.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from onto_compiler.cache import digest
 from onto_compiler.sources import collect
 from onto_compiler.versions import version_of
 from runtime.audit.records import TaskAudit, task_of
-from runtime.simulator.assets import TaskRef
+from runtime.simulator.assets import TaskRef, asset_folders
 from runtime.simulator.compiled import PACKAGES
 
 __all__ = ["KeptTasks"]
@@ -35,7 +35,7 @@ class KeptTasks:
 
     def __init__(self, folder: Path | None, extra: Sequence[str | Path], seed: int) -> None:
         self._folder = None if folder is None else folder / "audits"
-        self._base = f"{_knowledge(tuple(map(str, extra)))} {_sources()} {seed}"
+        self._base = f"{_knowledge(tuple(map(str, extra)))} {_sources()} {_assets(asset_folders())} {seed}"
         self._base += "".join(f" {name}={version_of(name)}" for name in PACKAGES)
 
     def load(self, ref: TaskRef) -> TaskAudit | None:
@@ -77,6 +77,17 @@ class KeptTasks:
 @cache
 def _knowledge(extra: tuple[str, ...]) -> str:
     return digest([*ontology.turtle_files(), *collect(extra)])
+
+
+@cache
+def _assets(folders: tuple[Path, ...]) -> str:
+    """Path, size and time of every mesh, texture and part of a scene."""
+    total = hashlib.sha256()
+    for path in sorted(path for folder in folders for path in folder.rglob("*")):
+        status = path.stat()
+        if not path.is_dir():
+            total.update(f"{path} {status.st_size} {status.st_mtime_ns}\n".encode())
+    return total.hexdigest()
 
 
 @cache

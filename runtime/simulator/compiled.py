@@ -22,7 +22,7 @@ from grounding.scenes import Scene
 from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
-from runtime.simulator.assets import package_root
+from runtime.simulator.assets import configured_assets, package_root
 from runtime.simulator.scene_cache import Record, SceneCache, key_of, stamp
 from runtime.simulator.snapshot import Snapshot, identity
 
@@ -82,6 +82,8 @@ def compile_scene(
         raise OntoError.of("SIM016", f"the task file cannot be read: {error}", "", str(bddl)) from error
     versions = {name: version_of(name) or "" for name in PACKAGES}
     place = {} if versions[PACKAGES[3]] else {"libero": str(package_root())}  # its version does not say what is in it
+    if (assets := configured_assets()) is not None:
+        place["assets"] = str(assets)
     key = key_of({"format": FORMAT, "bddl": content, "seed": str(seed), "pictures": str(pictures), **versions, **place})
     found = _loaded(cache, key)
     if found is None:

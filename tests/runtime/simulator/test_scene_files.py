@@ -32,6 +32,17 @@ for task in (5, 6):
 """
 
 
+WEIGH = """
+import sys
+from pathlib import Path
+from runtime.simulator.assets import find_task
+from runtime.simulator.compiled import compile_scene
+from runtime.simulator.scene_cache import SceneCache
+scene = compile_scene(find_task("libero_goal", 8).bddl, cache=SceneCache(Path(sys.argv[1])))
+print(scene.model.body_mass[scene.index.root_body("plate_1")])
+"""
+
+
 def started(folder, **environment):
     return subprocess.Popen(
         [sys.executable, "-c", STEP, str(folder)],
@@ -135,3 +146,21 @@ def test_a_disk_that_is_full_keeps_no_part_of_a_scene(ref, tmp_path, caplog, mon
     assert compile_scene(ref.bddl, cache=cache).model.nq > 0
     assert "cannot be kept" in caplog.text
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+def test_a_scene_of_assets_that_the_user_configured_is_another_scene(own_assets, tmp_path):
+    assets, configuration = own_assets
+    plate = assets / "stable_scanned_objects" / "plate" / "plate.xml"
+    text = plate.read_text()
+    plate.unlink()
+    plate.write_text(text.replace('density="100"', 'density="200"'))
+
+    def weighed(**environment):
+        command = [sys.executable, "-c", WEIGH, str(tmp_path / "cache")]
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env={**os.environ, **environment})
+        return float(done.stdout)
+
+    packaged = weighed()
+    assert weighed(LIBERO_CONFIG_PATH=str(configuration)) == pytest.approx(2 * packaged)
+    assert weighed() == packaged
+    assert len(list((tmp_path / "cache" / "scenes").iterdir())) == 2

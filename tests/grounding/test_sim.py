@@ -349,7 +349,10 @@ def test_every_grounding_that_the_ontology_names_is_registered_and_loads():
     named = {b.grounded_by for b in ONTOLOGY.bindings} | {p.grounded_by for p in ONTOLOGY.predicates.values()}
     named |= {getattr(b, "premise_grounded_by", None) for b in ONTOLOGY.bindings}
     named -= {None, ""}
-    assert named == {"in_site", "joint_threshold", "on_object", "on_site", "placed_in_region"}
+    assert named == {
+        *("in_site", "joint_threshold", "on_object", "on_site", "placed_in_region"),
+        *("at_target", "free_of", "velocity_matches"),
+    }
     assert all(callable(registry.factory(name)) for name in named)
 
 

@@ -187,22 +187,10 @@ class Support(Entity):
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Support"
 
 
-class Agent(Entity):
-    """Something that moves in the plane."""
-
-    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Agent"
-
-
 class Target(Entity):
     """A place, and a velocity there, that an agent is to reach."""
 
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Target"
-
-
-class Wall(Entity):
-    """What an agent cannot pass."""
-
-    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Wall"
 
 
 class Threshold(Entity):
@@ -223,12 +211,6 @@ class Region(Site):
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Region"
 
 
-class Ball(Agent):
-    """A point mass with a round body."""
-
-    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Ball"
-
-
 class ContainerSite(Site, Container):
     """A site that bounds the inside of a container."""
 
@@ -247,10 +229,28 @@ class SupportSite(Support, Site):
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#SupportSite"
 
 
+class Agent(Entity):
+    """Something that moves in the plane."""
+
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Agent"
+
+
+class Wall(Entity):
+    """What an agent cannot pass."""
+
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Wall"
+
+
 class Fixture(Landmark):
     """A body that is fixed in the scene, with or without joints."""
 
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/manipulation#Fixture"
+
+
+class Ball(Agent):
+    """A point mass with a round body."""
+
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#Ball"
 
 
 class Drawer(ContainerSite, ArticulatedJoint):

@@ -63,6 +63,11 @@ class Ends:
     error: torch.Tensor  # (B,) of the proprioception, in its scale
     mismatch: torch.Tensor  # (B,) of the features, in their scale
 
+    @property
+    def read(self) -> tuple[torch.Tensor, ...]:
+        """What a head is given."""
+        return self.features, self.proprio, self.goal_features, self.goal_proprio, self.spread, self.sensed
+
 
 class Sampler:
     """Draws :class:`Ends`; ``sensed`` (P,) is what is left where velocity is not sensed."""
@@ -74,10 +79,13 @@ class Sampler:
         self._looks = np.asarray(frames.features).reshape(-1, frames.features.shape[-1])
 
     @torch.no_grad()  # type: ignore[untyped-decorator]
-    def ends(self, random: np.random.Generator, count: int = _SEGMENTS) -> Ends:
-        """``count`` pieces, each with an end after every macro step: imagined by all members, and true."""
+    def ends(self, random: np.random.Generator, count: int = _SEGMENTS, *, blind: bool | None = None) -> Ends:
+        """``count`` pieces, each with an end after every macro step: imagined by all members, and true.
+
+        ``blind``: whether velocity is not sensed; drawn where it is None.
+        """
         dynamics, frames = self.dynamics, self.frames
-        blind = random.random() < 1 / 3
+        blind = random.random() < 1 / 3 if blind is None else blind
         which, mark = segments(frames, random, count, _HORIZON)
         begin, known = self._begin(which, mark, blind=blind)
         steps = mark[:, None] * dynamics.macro + np.arange(_HORIZON * dynamics.macro)
@@ -151,7 +159,7 @@ def fact_loss(head: FactHead, sampler: Sampler) -> Callable[[torch.Generator], t
 
     def loss(random: torch.Generator) -> torch.Tensor:
         ends = sampler.ends(generator_of(random))
-        margin, logit = head(*_read(ends))
+        margin, logit = head(*ends.read)
         truth = functional.binary_cross_entropy_with_logits(logit, (ends.margins > 0).float())
         return functional.smooth_l1_loss(margin, ends.margins, beta=0.1) + 0.3 * truth
 
@@ -164,7 +172,7 @@ def event_loss(head: EventHead, sampler: Sampler) -> Callable[[torch.Generator],
 
     def loss(random: torch.Generator) -> torch.Tensor:
         ends = sampler.ends(generator_of(random))
-        found = head(*_read(ends))
+        found = head(*ends.read)
         reached = torch.isfinite(ends.remaining)
         entropy = functional.binary_cross_entropy_with_logits
         return (
@@ -176,7 +184,3 @@ def event_loss(head: EventHead, sampler: Sampler) -> Callable[[torch.Generator],
         )
 
     return loss
-
-
-def _read(ends: Ends) -> tuple[torch.Tensor, ...]:
-    return ends.features, ends.proprio, ends.goal_features, ends.goal_proprio, ends.spread, ends.sensed

@@ -1,0 +1,121 @@
+"""The cross-entropy method over action sequences, with coloured noise and kept elites (iCEM).
+
+Sources: DINO-WM ``planning/cem.py`` for budget and form; Pinneri et al., "Sample-efficient cross-entropy method for
+real-time planning" (2020), for coloured noise, kept elites and returning the best candidate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import torch
+
+__all__ = ["Budget", "Found", "Region", "Sampling", "coloured", "search"]
+
+Cost = Callable[[torch.Tensor], torch.Tensor]
+"""Candidates (N, T, A) to costs (N,); lower is better."""
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """DINO-WM's: ``samples`` candidates in each of ``iterations``, of which ``elites`` shape the next."""
+
+    samples: int = 300
+    elites: int = 30
+    iterations: int = 10
+
+    @property
+    def evaluations(self) -> int:
+        """Candidates in all."""
+        return self.samples * self.iterations
+
+
+@dataclass(frozen=True, slots=True)
+class Sampling:
+    """How candidates are drawn, alike for every row of a comparison.
+
+    ``deviation`` of the first candidates, the standard deviation of actions drawn evenly from [-1, 1]; ``colour``: the
+    noise's power falls with frequency to this power; ``kept`` elites stay in the next iteration; ``momentum`` is what
+    stays of mean and deviation.
+    """
+
+    deviation: float = 0.577
+    colour: float = 1.0
+    kept: int = 5
+    momentum: float = 0.1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Region:
+    """Where a search looks: normal around ``mean`` (T, A) with ``deviation`` (T, A)."""
+
+    mean: torch.Tensor
+    deviation: torch.Tensor
+
+    @classmethod
+    def everywhere(cls, steps: int, actions: int, sampling: Sampling, device: str | torch.device = "cpu") -> Region:
+        """Around no action at all."""
+        mean = torch.zeros(steps, actions, device=device)
+        return cls(mean, torch.full_like(mean, sampling.deviation))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Found:
+    """The best candidate ``actions`` (T, A), its ``cost``, how many were looked at, and the last ``region``."""
+
+    actions: torch.Tensor
+    cost: float
+    evaluations: int
+    region: Region
+
+
+def search(
+    cost: Cost, region: Region, budget: Budget, sampling: Sampling, random: torch.Generator, known: Found | None = None
+) -> Found:
+    """Minimise ``cost`` over actions in [-1, 1], beginning in ``region``; what is ``known`` competes from the start."""
+    best = known
+    elites: torch.Tensor | None = None if known is None else known.actions[None]
+    for _ in range(budget.iterations):
+        noise = coloured((budget.samples, *region.mean.shape), sampling.colour, random).to(region.mean.device)
+        candidates = region.mean + region.deviation * noise
+        candidates[0] = region.mean
+        if elites is not None:
+            kept = elites[: sampling.kept]
+            candidates[1 : 1 + len(kept)] = kept
+        candidates = candidates.clamp(-1, 1)
+        costs = cost(candidates)
+        order = torch.argsort(costs)[: budget.elites]
+        elites = candidates[order]
+        lowest = float(costs[order[0]])
+        if best is None or lowest < best.cost:
+            best = Found(elites[0], lowest, 0, region)
+        region = _towards(region, elites, sampling.momentum)
+    if best is None:
+        raise ValueError("a search needs at least one iteration")
+    return Found(best.actions, best.cost, budget.evaluations, region)
+
+
+def coloured(shape: tuple[int, int, int], colour: float, random: torch.Generator) -> torch.Tensor:
+    """Normal noise (N, T, A) whose power falls along T with the frequency to the ``colour``; unit variance."""
+    if colour == 0:
+        return torch.randn(shape, generator=random)
+    rows, steps, actions = shape
+    weight = torch.fft.rfftfreq(steps)
+    weight[0] = weight[1:2].sum() or 1.0
+    weight = weight ** (-colour / 2)
+    white = torch.fft.rfft(torch.randn((rows, actions, steps), generator=random))
+    twice = torch.full_like(weight, 2.0)  # each frequency but the first, and the last of an even number, stands for two
+    twice[0] = 1.0
+    if steps % 2 == 0:
+        twice[-1] = 1.0
+    deviation = ((twice * weight.square()).sum() / steps).sqrt()
+    return torch.fft.irfft(white * weight / deviation, n=steps).transpose(1, 2)
+
+
+def _towards(region: Region, elites: torch.Tensor, momentum: float) -> Region:
+    """The normal distribution of ``elites`` (K, T, A), a little of ``region`` left."""
+    return Region(
+        momentum * region.mean + (1 - momentum) * elites.mean(dim=0),
+        momentum * region.deviation + (1 - momentum) * elites.std(dim=0),
+    )

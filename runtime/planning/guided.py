@@ -1,0 +1,99 @@
+"""Diagnosis-guided search: while the best plan's predicted facts miss the goal, the rules say what to try (plan level).
+
+Algorithm 1 of the paper on predictions: a plan whose facts all hold is retained, which is no success. Plans are
+compared success first: fewer unmet facts, then less cost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import torch
+
+from grounding.observation import Observation
+from onto_compiler.knowledge import Knowledge
+from onto_compiler.required import RequiredABox
+from onto_compiler.schema import local_name
+from onto_compiler.tables import EXHAUSTED, FIRST, REPEAT
+from runtime.diagnosis import diagnose_goal, select, unmet
+from runtime.planning.cem import Found
+from runtime.planning.mechanisms import Mechanism
+from runtime.planning.question import Question
+from runtime.records import Diagnosis, RouteDecision
+from runtime.routing import route_or_none
+
+__all__ = ["Searched", "Tried", "improve"]
+
+LEVEL = "plan"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tried:
+    """One answer to a diagnosis: whether its plan took the place of the best, and what was predicted of that plan."""
+
+    diagnosis: Diagnosis
+    decision: RouteDecision | None
+    mechanism: str
+    evaluations: int
+    better: bool
+    observation: Observation | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Searched:
+    """The best plan, whether every required fact is predicted of it, and what was tried on the way."""
+
+    found: Found
+    observation: Observation
+    retained: bool
+    evaluations: int
+    tried: tuple[Tried, ...]
+
+
+def improve(
+    question: Question,
+    first: Found,
+    required: RequiredABox,
+    knowledge: Knowledge,
+    mechanisms: Mapping[str, Mechanism],
+    allowance: int,
+    random: torch.Generator,
+    instead: Mechanism | None = None,
+) -> Searched:
+    """Better ``first`` until its predicted facts hold, no route is left, or ``allowance`` evaluations are spent.
+
+    ``mechanisms`` by the local name of their route. With ``instead`` it is asked in the place of what the rules
+    choose: the control of the same budget and the same rule of acceptance.
+    """
+    best, seen = first, question.observation(first.actions)
+    spent, tried = 0, list[Tried]()
+    status, previous = FIRST, None
+    last: int | None = None
+    while spent < allowance:
+        found = diagnose_goal(required, seen, knowledge.tables)
+        if not found:
+            break
+        diagnosis = select(found)
+        if diagnosis.index != last:
+            status, previous, last = FIRST, None, diagnosis.index
+        decision = None if instead else route_or_none(diagnosis, knowledge, status, previous, level=LEVEL)
+        if decision is None and instead is None:
+            break
+        name = local_name(decision.route) if decision else "again"
+        mechanism = instead or mechanisms.get(name)
+        answer = mechanism(question, best, diagnosis, random) if mechanism else None
+        if answer is None:
+            tried.append(Tried(diagnosis, decision, name, 0, better=False, observation=None))
+            if decision is None or status == EXHAUSTED:
+                break
+            status, previous = EXHAUSTED, decision.route
+            continue
+        spent += answer.evaluations
+        there = question.observation(answer.actions)
+        better = (len(unmet(required, there)), answer.cost) < (len(unmet(required, seen)), best.cost)
+        tried.append(Tried(diagnosis, decision, name, answer.evaluations, better=better, observation=there))
+        if better:
+            best, seen = answer, there
+        status, previous = REPEAT, decision.route if decision else None
+    return Searched(best, seen, not unmet(required, seen), spent, tuple(tried))

@@ -1,0 +1,103 @@
+"""What a typed failure of a plan is answered with: one mechanism for each plan route that the ontology declares.
+
+Each spends about one budget of candidates and returns its best, or None where it has none to offer. The best plan so
+far competes within each, so that none returns a worse one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import torch
+
+from runtime.planning.cem import Found, Region, search
+from runtime.planning.question import Question
+from runtime.records import Diagnosis
+
+__all__ = ["Mechanism", "again", "longer_horizon", "match_velocity", "resample_around_margin"]
+
+Mechanism = Callable[[Question, Found, Diagnosis, torch.Generator], Found | None]
+
+_NARROW = 0.2
+"""Standard deviation of the candidates around a plan that is nearly right."""
+_URGENT = 2.0
+"""What a unit of the violated margin's lack adds to a candidate's cost."""
+_DESCENTS, _STEPS, _RATE = 16, 62, 0.05
+"""Plans that are descended at once, and for how many steps; a gradient counts as three evaluations."""
+
+
+def resample_around_margin(
+    question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator
+) -> Found | None:
+    """Draw candidates narrowly around the best plan, scored with what the violated margin lacks on top."""
+    region = Region(best.actions, torch.full_like(best.actions, _NARROW))
+    urgent = _urging(question, diagnosis)
+    with torch.no_grad():
+        start = replace(best, cost=float(urgent(best.actions[None])[0]))
+        return _priced(question, search(urgent, region, question.budget, question.sampling, random, start))
+
+
+def match_velocity(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
+    """Descend the gradient of cost and lack through the dynamics, from the best plan and from plans around it."""
+    urgent = _urging(question, diagnosis)
+    noise = torch.randn((_DESCENTS, *best.actions.shape), generator=random).to(best.actions)
+    plans = (best.actions + 0.5 * _NARROW * noise).clamp(-1, 1)
+    plans[0] = best.actions
+    plans.requires_grad_(requires_grad=True)
+    optimiser = torch.optim.Adam([plans], lr=_RATE)
+    lowest, chosen = float("inf"), best.actions
+    for step in range(_STEPS):
+        for group in optimiser.param_groups:
+            group["lr"] = _RATE * (1 - step / _STEPS) + 0.05 * _RATE
+        costs = urgent(plans)
+        least = int(costs.detach().argmin())
+        if float(costs[least].detach()) < lowest:
+            lowest, chosen = float(costs[least].detach()), plans[least].detach().clone()
+        optimiser.zero_grad()
+        costs.sum().backward()
+        optimiser.step()
+        with torch.no_grad():
+            plans.clamp_(-1, 1)
+    return _priced(question, Found(chosen, lowest, 3 * _DESCENTS * _STEPS, best.region))
+
+
+def longer_horizon(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
+    """Plan over twice the steps, the best plan first; None where fewer are left."""
+    del diagnosis
+    steps, macro = len(best.actions), question.dynamics.macro
+    if 2 * steps > question.longest * macro:
+        return None
+    with torch.no_grad():
+        wide = Region.everywhere(2 * steps, question.actions, question.sampling, best.actions.device)
+        mean = torch.cat([best.actions, torch.zeros_like(best.actions)])
+        return search(
+            question.cost, Region(mean, wide.deviation), question.budget, question.sampling, random
+        )  # fmt: skip
+
+
+def again(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
+    """Search everywhere once more, whatever failed: what a guided search is compared with."""
+    del diagnosis
+    region = Region.everywhere(len(best.actions), question.actions, question.sampling, best.actions.device)
+    with torch.no_grad():
+        return search(question.cost, region, question.budget, question.sampling, random, best)
+
+
+def _urging(question: Question, diagnosis: Diagnosis) -> Callable[[torch.Tensor], torch.Tensor]:
+    """The question's cost, and on top what the diagnosed fact's margin lacks of the required one."""
+    fact = diagnosis.fact
+    sign = 1.0 if fact.polarity else -1.0
+
+    def cost(actions: torch.Tensor) -> torch.Tensor:
+        imagined = question.imagine(actions)
+        margin = sign * question.grounder.ground(imagined, question.goal).margin[:, diagnosis.index]
+        return question.scorer(imagined, question.goal) + _URGENT * (fact.threshold - margin).clamp(min=0)
+
+    return cost
+
+
+def _priced(question: Question, found: Found) -> Found:
+    """``found`` at the question's own cost, which plans are compared by."""
+    with torch.no_grad():
+        return replace(found, cost=float(question.cost(found.actions[None])[0]))

@@ -1,0 +1,256 @@
+"""The training of PointMaze's world model, stage by stage; each leaves one checkpoint, with its card, in a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from grounding.world_model import dynamics as dynamics_module
+from grounding.world_model import events as events_module
+from grounding.world_model import facts as facts_module
+from grounding.world_model.checkpoint import Card, save
+from grounding.world_model.dynamics import Dynamics
+from grounding.world_model.encoder import DEFAULT, encoder
+from grounding.world_model.events import EventHead
+from grounding.world_model.facts import FactHead
+from grounding.world_model.model import FILES, load_dynamics
+from grounding.world_model.projection import Projected, load_projected, save_projection
+from grounding.world_model.projection import fit as fit_projection
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.schema import local_name
+from runtime.planning.pointmaze.sensing import POSITION
+from runtime.pointmaze.geodesic import Geodesic
+from runtime.pointmaze.grounded import MazeFacts, required_facts
+from runtime.pointmaze.maze import MACRO_STEPS, MAX_SPEED, STATE_DIM, Maze, maze_named
+from runtime.pointmaze.picture import draw
+from runtime.pointmaze.trajectories import Split, Trajectories, collect
+from runtime.training.fit import Schedule, fit
+from runtime.training.frames import Frames, encoded
+from runtime.training.heads import Ends, Labels, Sampler, event_loss, fact_loss
+from runtime.training.measures import auroc, calibration_error
+from runtime.training.motion import appearance_loss, estimate_loss, motion_loss
+
+__all__ = ["STAGES", "Course", "train"]
+
+STAGES = ("projection", "dynamics", "events", "facts")
+_TEST = 200
+"""Trajectories of the test split, which the figures on a card are measured on."""
+_HORIZON = 5
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """What decides a training, every number of it. The defaults are those of the shipped checkpoints."""
+
+    maze: str = "u_maze"
+    encoder: str = DEFAULT
+    seed: int = 0
+    trajectories: int = 2000
+    steps: int = 100
+    components: int = 128
+    members: int = 3
+    motion: int = 12000
+    appearance: int = 1000
+    estimate: int = 3000
+    heads: int = 3000
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """What a card says of it."""
+        return asdict(self)
+
+
+def train(stage: str, course: Course, folder: Path, command: str, commit: str, say: Say) -> Mapping[str, float]:
+    """Train one of :data:`STAGES`, the ones before it lying in ``folder``; returns the metrics of its card.
+
+    An interrupted stage goes on where it stopped: what is unfinished lies in ``folder/unfinished``.
+
+    Raises:
+        OntoError: ``WM001`` ff. where an earlier stage's checkpoint is missing or damaged, ``WM006`` where ``folder``
+            cannot be written.
+    """
+    torch.manual_seed(course.seed)
+    card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
+    makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
+    return makers[stage](course, folder, card, say)
+
+
+def _projection(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
+    maze, base = maze_named(course.maze), encoder(course.encoder)
+    found = _trajectories(course, "train")
+    raw = _pictures(maze, found, base, folder, say)
+    projection = fit_projection(np.asarray(raw[:: max(len(raw) // 10_000, 1)]), course.components)
+    metrics = {"variance_kept": projection.share}
+    about = replace(card, sees="pixels", metrics=metrics)
+    save_projection(folder / FILES["projection"], Projected(base, projection), about)
+    return metrics
+
+
+def _dynamics(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
+    maze, seen = maze_named(course.maze), load_projected(folder / FILES["projection"])
+    frames = _frames(course, "train", seen, folder, say)
+    low, high = np.array(maze.extent[:2]), np.array(maze.extent[2:])
+    middle, half = ((low + high) / 2).tolist(), float((high - low).max() / 2)
+    motion = {
+        "centre": [*middle, 0.0, 0.0],
+        "scale": [half, half, MAX_SPEED, MAX_SPEED],
+        "bound": [1e6, 1e6, MAX_SPEED, MAX_SPEED],
+        "actions": frames.actions.shape[-1],
+        "members": course.members,
+    }
+    parameters: dict[str, Any] = {
+        "motion": motion,
+        "features": course.components,
+        "feature_scale": float(np.asarray(frames.features).std()),
+        "macro": MACRO_STEPS,
+    }
+    network = Dynamics(**parameters)
+    kept = folder / "unfinished"
+    sensed = torch.tensor(POSITION)
+    losses = (
+        ("motion", network.motion, motion_loss(network, frames), Schedule(course.motion)),
+        ("appearance", network.appearance, appearance_loss(network, frames), Schedule(course.appearance, rate=1e-3)),
+        ("estimate", network.estimate, estimate_loss(network, frames, sensed), Schedule(course.estimate)),
+    )
+    for name, part, loss, schedule in losses:
+        fit(part, loss, schedule, course.seed, kept / name, _told(say, name))
+        part.requires_grad_(requires_grad=False)
+    network.eval().requires_grad_(requires_grad=False)
+    metrics = _imagining(network, _frames(course, "test", seen, folder, say))
+    about = replace(
+        card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, encoder=seen.identity,
+        sees="pixels, proprioception", metrics=metrics,
+    )  # fmt: skip
+    save(folder / FILES["dynamics"], network.state_dict(), about)
+    return metrics
+
+
+def _events(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
+    sampler, parameters, card = _for_heads(course, folder, "train", card, say)
+    head = EventHead(**parameters)
+    schedule = Schedule(course.heads)
+    fit(head, event_loss(head, sampler), schedule, course.seed, folder / "unfinished" / "events", _told(say, "events"))
+    head.eval().requires_grad_(requires_grad=False)
+    ends = _tested(course, folder, say)
+    found = head(*ends.read)
+    success = (ends.margins[:, sampler.labels.success] > 0).numpy()
+    clear = (ends.margins[:, sampler.labels.valid] > 0).numpy()
+    there = torch.isfinite(ends.remaining)
+    metrics = {
+        "remaining_mae_m": float((found.remaining - ends.remaining)[there].abs().mean()),
+        "success_auroc": auroc(found.success.numpy(), success),
+        "feasibility_auroc": auroc(found.feasibility.numpy(), clear),
+        "uncertainty_mae": float((found.uncertainty - ends.error).abs().mean()),
+    }
+    about = replace(card, architecture=events_module.ARCHITECTURE, parameters=parameters, metrics=metrics)
+    save(folder / FILES["events"], head.state_dict(), about)
+    return metrics
+
+
+def _facts(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
+    sampler, parameters, card = _for_heads(course, folder, "train", card, say)
+    names = [local_name(fact.predicate) for fact in required_facts(load_knowledge()).facts]
+    parameters = {"facts": names, **parameters}
+    head = FactHead(**parameters)
+    schedule = Schedule(course.heads)
+    fit(head, fact_loss(head, sampler), schedule, course.seed, folder / "unfinished" / "facts", _told(say, "facts"))
+    head.eval().requires_grad_(requires_grad=False)
+    ends = _tested(course, folder, say)
+    margin, logit = head(*ends.read)
+    truth, score = (ends.margins > 0).numpy(), logit.sigmoid().numpy()
+    metrics: dict[str, float] = {}
+    for column, name in enumerate(names):
+        metrics[f"{name}.margin_mae"] = float((margin - ends.margins)[:, column].abs().mean())
+        metrics[f"{name}.auroc"] = auroc(score[:, column], truth[:, column])
+        metrics[f"{name}.ece"] = calibration_error(score[:, column], truth[:, column])
+    about = replace(
+        card, architecture=facts_module.ARCHITECTURE, parameters=parameters, facts=tuple(names), metrics=metrics
+    )
+    save(folder / FILES["facts"], head.state_dict(), about)
+    return metrics
+
+
+def _for_heads(
+    course: Course, folder: Path, split: Split, card: Card, say: Say
+) -> tuple[Sampler, dict[str, Any], Card]:
+    """What draws a head's batches, what builds a head, and a card that names what it was trained on."""
+    seen, network, found = load_dynamics(folder)
+    knowledge = load_knowledge()
+    facts = MazeFacts(maze_named(course.maze), required_facts(knowledge), knowledge)
+    names = [local_name(fact.predicate) for fact in facts.required.facts]
+    labels = Labels(
+        lambda states, goals: facts.label(states, goals).margin,
+        Geodesic(facts.maze).distance,
+        names.index("at_target"),
+        names.index("free_of"),
+    )
+    frames = _frames(course, split, seen, folder, say)
+    motion = found.card.parameters["motion"]
+    parameters = {
+        "centre": motion["centre"],
+        "scale": motion["scale"],
+        "features": course.components,
+        "feature_scale": network.feature_scale,
+    }
+    about = replace(
+        card, data={**card.data, "dynamics": found.identity}, encoder=seen.identity,
+        sees="pixels, proprioception; labels of privileged-state",
+    )  # fmt: skip
+    return Sampler(network, frames, labels, torch.tensor(POSITION)), parameters, about
+
+
+def _tested(course: Course, folder: Path, say: Say) -> Ends:
+    """Ends of the test split, all sensed."""
+    sampler, _, _ = _for_heads(course, folder, "test", Card(""), say)
+    ends: Ends = sampler.ends(np.random.default_rng(course.seed), 2000, blind=False)
+    return ends
+
+
+def _imagining(network: Dynamics, frames: Frames) -> dict[str, float]:
+    """The errors of five macro steps from every fifth mark of ``frames``, each member counted."""
+    marks = np.arange(0, frames.features.shape[1] - _HORIZON, _HORIZON)
+    which = np.repeat(np.arange(len(frames.states)), len(marks))
+    mark = np.tile(marks, len(frames.states))
+    steps = mark[:, None] * network.macro + np.arange(_HORIZON * network.macro)
+    actions = torch.from_numpy(frames.actions[which[:, None], steps]).unflatten(1, (_HORIZON, network.macro))
+    begin = torch.from_numpy(frames.marks[which, mark])
+    found = network.imagine(torch.from_numpy(np.asarray(frames.features[which, mark])), begin, actions)
+    true = torch.from_numpy(frames.marks[which, mark + _HORIZON])
+    looks = torch.from_numpy(np.asarray(frames.features[which, mark + _HORIZON]))
+    gap = found.proprio[:, :, -1] - true
+    place, speed = gap[..., :2].norm(dim=-1), gap[..., 2:].norm(dim=-1)
+    look = ((found.features[:, :, -1] - looks) / network.feature_scale).square().mean()
+    return {
+        "position_median_m": float(place.median()), "position_mean_m": float(place.mean()),
+        "velocity_median_m_s": float(speed.median()), "velocity_mean_m_s": float(speed.mean()),
+        "feature_error": float(look),
+    }  # fmt: skip
+
+
+def _trajectories(course: Course, split: Split) -> Trajectories:
+    count = course.trajectories if split == "train" else _TEST
+    return collect(maze_named(course.maze), count, course.steps, course.seed, split)
+
+
+def _pictures(maze: Maze, found: Trajectories, base: Any, folder: Path, say: Say) -> np.ndarray:  # noqa: ANN401
+    states = found.states[:, ::MACRO_STEPS].reshape(-1, STATE_DIM)
+    kept = folder / "unfinished" / f"features.{found.source.split}.npy"
+    return encoded(states, lambda rows: draw(maze, rows, base.size), base, kept, found.source, say)
+
+
+def _frames(course: Course, split: Split, seen: Projected, folder: Path, say: Say) -> Frames:
+    found = _trajectories(course, split)
+    raw = _pictures(maze_named(course.maze), found, seen.encoder, folder, say)
+    features = seen.projection(np.asarray(raw)).reshape(len(found.states), -1, course.components)
+    return Frames(found.states.astype(np.float32), found.actions.astype(np.float32), features)
+
+
+def _told(say: Say, what: str) -> Callable[[int, float], None]:
+    return lambda step, loss: say(f"{what}: step {step:,}, loss {loss:.4f}") if step % 1000 == 0 else None

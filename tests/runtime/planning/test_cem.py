@@ -1,0 +1,78 @@
+"""The search: it finds, it keeps what it knows, and its noise has the colour that is asked for."""
+
+from __future__ import annotations
+
+import pytest
+import torch
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from runtime.planning.cem import Budget, Found, Region, Sampling, coloured, search
+
+WANTED = torch.linspace(-0.8, 0.8, 20).reshape(10, 2)
+
+
+def bowl(actions: torch.Tensor) -> torch.Tensor:
+    return (actions - WANTED).square().sum(dim=(1, 2))
+
+
+def seeded(seed: int = 0) -> torch.Generator:
+    return torch.Generator().manual_seed(seed)
+
+
+def test_it_finds_the_bottom_of_a_bowl():
+    start = Region.everywhere(10, 2, Sampling())
+    few = search(bowl, start, Budget(iterations=3), Sampling(), seeded())
+    many = search(bowl, start, Budget(iterations=30), Sampling(), seeded())
+    assert many.cost < 0.05 < few.cost
+    assert many.cost == pytest.approx(float(bowl(many.actions[None])[0]))
+    assert (few.evaluations, many.evaluations) == (900, 9000)
+
+
+@pytest.mark.parametrize("kept", [0, 5])
+def test_more_iterations_are_never_worse(kept: int):
+    sampling = Sampling(kept=kept)
+    costs = [
+        search(bowl, Region.everywhere(10, 2, sampling), Budget(50, 10, n), sampling, seeded()).cost
+        for n in (1, 2, 4, 8)
+    ]
+    assert costs == sorted(costs, reverse=True)
+
+
+def test_what_is_known_is_not_lost():
+    known = Found(WANTED, 0.0, 1, Region.everywhere(10, 2, Sampling()))
+    found = search(bowl, Region.everywhere(10, 2, Sampling()), Budget(20, 5, 1), Sampling(), seeded(), known)
+    assert torch.equal(found.actions, WANTED)
+
+
+def test_the_same_seed_finds_the_same_plan():
+    start = Region.everywhere(10, 2, Sampling())
+    one, other = (search(bowl, start, Budget(50, 10, 3), Sampling(), seeded(7)) for _ in range(2))
+    assert torch.equal(one.actions, other.actions)
+
+
+def test_every_candidate_is_an_action():
+    seen: list[torch.Tensor] = []
+
+    def cost(actions: torch.Tensor) -> torch.Tensor:
+        seen.append(actions)
+        return bowl(actions)
+
+    search(cost, Region(torch.full((10, 2), 0.9), torch.ones(10, 2)), Budget(50, 10, 3), Sampling(), seeded())
+    assert len(seen) == 3
+    assert all(bool((actions.abs() <= 1).all()) for actions in seen)
+
+
+@settings(max_examples=20, deadline=None)
+@given(steps=st.integers(1, 40), colour=st.sampled_from([0.0, 0.5, 1.0, 2.0]))
+def test_noise_of_any_colour_has_unit_variance(steps: int, colour: float):
+    noise = coloured((2000, steps, 2), colour, seeded())
+    assert noise.shape == (2000, steps, 2)
+    assert float(noise.square().mean()) == pytest.approx(1.0, rel=0.1)
+
+
+def test_colour_is_a_slope_of_the_spectrum():
+    for colour in (0.0, 1.0, 2.0):
+        power = torch.fft.rfft(coloured((4000, 64, 1), colour, seeded()), dim=1).abs().square().mean(dim=(0, 2))
+        ratio = float(power[2] / power[16])
+        assert ratio == pytest.approx(8**colour, rel=0.15)

@@ -1,0 +1,166 @@
+"""Guided search on a world whose facts are known: what is diagnosed decides what is tried, and success comes first."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import torch
+
+from grounding.observation import Observation
+from grounding.world_model.dynamics import Dynamics, History
+from grounding.world_model.facts import FactHead
+from grounding.world_model.pred import Goal, PredGrounder
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.problems import OntoError
+from onto_compiler.schema import local_name
+from runtime.diagnosis import diagnose
+from runtime.planning.cem import Budget, Found, Region, Sampling
+from runtime.planning.guided import improve
+from runtime.planning.mechanisms import again, longer_horizon, match_velocity, resample_around_margin
+from runtime.planning.question import Question
+from runtime.planning.scorers import Weighted, Weights
+from runtime.pointmaze.grounded import required_facts
+from runtime.routed import load_routed
+
+KNOWLEDGE = load_knowledge()
+REQUIRED = required_facts(KNOWLEDGE)
+NAMES = [local_name(fact.predicate) for fact in REQUIRED.facts]
+CENTRE, SCALE = [1.8, 1.8, 0.0, 0.0], [2.5, 2.5, 5.0, 5.0]
+
+
+@dataclass
+class Stub:
+    """A question whose plans are numbers: the first action decides every margin."""
+
+    budget: Budget
+    sampling: Sampling
+
+    def observation(self, actions: torch.Tensor) -> Observation:
+        margin = np.full(len(NAMES), float(actions[0, 0]))
+        return Observation(
+            "pred", len(actions), np.ones(3, bool), margin > 0, margin, (margin > 0) * 1.0, ("",) * len(NAMES)
+        )
+
+
+def plan(value: float, cost: float = 1.0) -> Found:
+    actions = torch.full((25, 2), value)
+    return Found(actions, cost, 100, Region(actions, actions))
+
+
+def stub() -> Stub:
+    return Stub(Budget(), Sampling())
+
+
+def guided(first: Found, answers: dict[str, object], allowance: int = 1000, instead=None):
+    return improve(stub(), first, REQUIRED, KNOWLEDGE, answers, allowance, torch.Generator(), instead)
+
+
+def test_a_plan_whose_facts_hold_is_retained_without_search():
+    found = guided(plan(0.5), {})
+    assert (found.retained, found.evaluations, found.tried) == (True, 0, ())
+
+
+def test_the_rules_choose_the_mechanism():
+    asked: list[tuple[str, str]] = []
+
+    def named(name: str):
+        def mechanism(_question, _best, diagnosis, _random):
+            asked.append((name, local_name(diagnosis.fact.predicate)))
+            return plan(0.5)
+
+        return mechanism
+
+    routes = [local_name(iri) for iri, route in KNOWLEDGE.schema.routes.items() if route.level == "plan"]
+    found = guided(plan(-0.5), {name: named(name) for name in routes})
+    assert found.retained
+    assert asked == [("resample_around_margin", "free_of")]  # an invalid state comes before all else
+    assert found.tried[0].decision is not None
+    assert found.tried[0].better
+
+
+def test_a_plan_with_fewer_unmet_facts_wins_over_a_cheaper_one():
+    answers = iter([plan(-0.4, cost=0.1), plan(0.5, cost=9.0)])
+    found = guided(plan(-0.5, cost=1.0), {}, instead=lambda *_: next(answers))
+    assert [tried.better for tried in found.tried] == [True, True]
+    assert found.found.cost == 9.0
+    assert found.retained
+
+
+def test_a_worse_plan_does_not_take_the_place_of_the_best():
+    answers = iter([plan(-0.4, cost=2.0), plan(-0.4, cost=0.5)])
+    found = guided(plan(-0.5, cost=1.0), {}, allowance=200, instead=lambda *_: next(answers))
+    assert [tried.better for tried in found.tried] == [False, True]
+    assert not found.retained
+    assert found.evaluations == 200
+
+
+def test_search_ends_where_no_route_is_left():
+    found = guided(plan(-0.5), {})
+    assert not found.retained
+    assert found.evaluations == 0
+    assert all(tried.evaluations == 0 for tried in found.tried)
+
+
+def test_every_registered_mechanism_serves_a_plan_route():
+    found = load_routed(KNOWLEDGE.schema, "onto_evwm.mechanisms", "mechanism", "RUN010")
+    levels = {local_name(iri): route.level for iri, route in KNOWLEDGE.schema.routes.items()}
+    assert {"longer_horizon", "match_velocity", "resample_around_margin"} <= set(found)
+    assert {levels[name] for name in found} == {"plan"}
+
+
+def question(longest: int = 10, features: float = 0.0) -> Question:
+    torch.manual_seed(0)
+    motion = {"centre": CENTRE, "scale": SCALE, "bound": [9.0] * 4, "actions": 2, "members": 2, "width": 16}
+    dynamics = Dynamics(motion, 4, 1.0, width=16)
+    head = FactHead(NAMES, CENTRE, SCALE, 4, 1.0)
+    for weight in (*dynamics.parameters(), *head.parameters()):
+        torch.nn.init.normal_(weight, std=0.1)
+    dynamics.requires_grad_(requires_grad=False)
+    head.requires_grad_(requires_grad=False)
+    grounder = PredGrounder(head, REQUIRED.facts)
+    sensed = torch.tensor([True] * 4)
+    scorer = Weighted(Weights(proprio=1.0, margins={"at_target": 0.3}), dynamics, None, grounder)
+    history = History(torch.full((4,), features), torch.rand(3, 4), torch.rand(2, 5, 2), sensed)
+    goal = Goal(torch.rand(4), torch.tensor([2.0, 1.0, 0.5, -0.5]), sensed)
+    return Question.ask(dynamics, grounder, scorer, history, goal, Budget(40, 8, 4), Sampling(), 5, longest)
+
+
+def worst(asked: Question) -> Found:
+    actions = torch.full((25, 2), 0.9)
+    return Found(actions, float(asked.cost(actions[None])[0]), 0, Region(actions, actions))
+
+
+@pytest.mark.parametrize("mechanism", [resample_around_margin, match_velocity, again])
+def test_a_mechanism_returns_a_plan_at_the_questions_own_cost(mechanism):
+    asked = question()
+    best = worst(asked)
+    seen = asked.observation(best.actions)
+    violated = Observation(
+        "pred", 25, seen.observed, np.zeros(3, bool), np.full(3, -0.3), np.zeros(3), ("",) * len(NAMES)
+    )
+    diagnosis = diagnose(REQUIRED.facts, violated, KNOWLEDGE.tables)[0]
+    found = mechanism(asked, best, diagnosis, torch.Generator().manual_seed(0))
+    assert found is not None
+    assert found.actions.shape == (25, 2)
+    assert bool((found.actions.abs() <= 1).all())
+    assert found.evaluations > 0
+    assert found.cost == pytest.approx(float(asked.cost(found.actions[None])[0]), abs=1e-5)
+    assert not found.actions.requires_grad
+
+
+def test_a_longer_horizon_is_offered_only_where_there_is_time():
+    asked = question(longest=10)
+    best = worst(asked)
+    found = longer_horizon(asked, best, None, torch.Generator().manual_seed(0))
+    assert found is not None
+    assert found.actions.shape == (50, 2)
+    assert longer_horizon(question(longest=9), best, None, torch.Generator().manual_seed(0)) is None
+
+
+def test_features_that_are_no_numbers_are_refused_before_planning():
+    with pytest.raises(OntoError) as caught:
+        question(features=math.nan)
+    assert caught.value.problems[0].code == "WM010"

@@ -13,6 +13,8 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
+from onto_compiler.bddl.dialects import LIBERO, dialect_of
+from onto_compiler.bddl.parse import parse_file
 from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
 from runtime.simulator import snapshot
@@ -67,8 +69,7 @@ class NativeTask:
                     message = f"LIBERO's asset file `{asset}` is missing"
                     raise OntoError.of("SIM020", message, advice(asset), str(bddl)) from error
                 message = f"LIBERO cannot build this task: {type(error).__name__} {error}"
-                hint = "look at the task file with `onto compile`; where that is sound, an asset may be damaged"
-                raise OntoError.of("SIM016", message, hint, str(bddl)) from error
+                raise OntoError.of("SIM016", message, _hint(bddl), str(bddl)) from error
             finally:
                 np.random.set_state(global_state)  # noqa: NPY002  as above
         goal = self.env.parsed_problem["goal_state"]
@@ -222,6 +223,17 @@ class NativeTask:
         snapshot.put(self.env, saved)
         for kind in BAD_NUMBERS:
             self.data.warning[kind].number = 0
+
+
+def _hint(bddl: Path) -> str:
+    """What to look at where LIBERO cannot build a task; a task of another domain is none of its own."""
+    try:
+        dialect = dialect_of(parse_file(bddl).domain)
+    except OntoError:
+        dialect = LIBERO
+    if dialect is not LIBERO:
+        return f"it is a task of {dialect.name}, which LIBERO does not play"
+    return "look at the task file with `onto compile`; where that is sound, an asset may be damaged"
 
 
 def _until_placed(act: Callable[[], object], crowded: type[Exception]) -> None:

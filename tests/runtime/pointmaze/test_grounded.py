@@ -120,6 +120,15 @@ def test_states_that_are_none_are_refused(state, goal, code):
         assert [problem.code for problem in caught.value.problems] == [code]
 
 
+def test_libero_says_whose_task_it_cannot_build():
+    from runtime.simulator.native import NativeTask
+
+    with pytest.raises(OntoError) as caught:
+        NativeTask(task_file())
+    [problem] = caught.value.problems
+    assert (problem.code, problem.hint) == ("SIM016", "it is a task of PointMaze, which LIBERO does not play")
+
+
 def test_a_fact_that_no_batch_can_label_is_refused(tmp_path):
     turtle = tmp_path / "lab.ttl"
     turtle.write_text(

@@ -1,0 +1,179 @@
+"""PointMaze: planners in a world model, compared on the same trials and budgets, over three trained models.
+
+The trials are the 50 published ones and 200 fresh ones of the same kind. What verifies is the true state: a trial is a
+success within 0.5 m of the target, and its distance is that over (x, y, vx, vy) at its end. Predictions are counted
+apart: for each executed plan, what was predicted of its end and what the simulator showed of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
+from typing import Any
+
+import numpy as np
+import torch
+
+from benchmarks.intervals import wilson
+from benchmarks.paired import bootstrap, holm, sign_flip
+from benchmarks.pointmaze_rows import MAZE, ROWS, maze_rollout, planner
+from benchmarks.protocol import Protocol, Row, Trial
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.schema import local_name
+from runtime.planning.pointmaze.models import SEEDS, shipped
+from runtime.planning.pointmaze.mpc import Played, Step, play
+from runtime.pointmaze.grounded import MazeFacts, required_facts
+from runtime.pointmaze.maze import MACRO_STEPS, maze_named
+from runtime.pointmaze.trials import PUBLISHED, trial
+
+__all__ = ["BLOCKS", "COMPARED", "POINTMAZE"]
+
+FRESH = 200
+BLOCKS = {"published": range(PUBLISHED), "fresh": range(PUBLISHED, PUBLISHED + FRESH)}
+SMALL = 2
+"""Trials of each row, with the first model."""
+COMPARED = {
+    "onto_vs_event": ("onto", "event"),
+    "onto_vs_feature": ("onto", "feature"),
+    "onto_vs_untyped": ("onto", "onto_untyped"),
+    "search_vs_onto": ("search", "onto"),
+    "search_vs_undirected": ("search", "undirected"),
+    "search_vs_large": ("search", "large"),
+}
+"""Which rows' final distances are tested against each other."""
+
+
+def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signature
+    """Each row with each model on each trial; what asks no model is run once."""
+    numbers = range(PUBLISHED + FRESH) if full else range(SMALL)
+    return [
+        {"key": f"{name}/{seed}/{number}", "row": name, "model": seed, "trial": number}
+        for name, row in ROWS.items()
+        for seed, number in product(SEEDS if row.learned and full else SEEDS[:1], numbers)
+    ]
+
+
+def run(trial_: Trial) -> list[Row]:
+    """One trial."""
+    torch.set_num_threads(1)
+    name, seed, number = trial_["row"], trial_["model"], trial_["trial"]
+    random = torch.Generator().manual_seed(number * len(SEEDS) + seed)
+    played = play(trial(number), planner(name, shipped(seed)), maze_rollout(), random, MACRO_STEPS)
+    last = played.steps[-1].verdict
+    return [
+        {
+            "mode": "controller",
+            "sees": ROWS[name].sees,
+            "block": next(block for block, numbers in BLOCKS.items() if number in numbers),
+            "success": played.success,
+            "plans": len(played.steps),
+            "distance": float(last.distance),
+            "position": float(last.position),
+            "velocity": float(last.velocity),
+            "evaluations": sum(step.made.evaluations for step in played.steps),
+            "planning_s": round(sum(step.seconds for step in played.steps), 3),
+            "predicted": list(_predicted(played)),
+        }
+    ]
+
+
+def _predicted(played: Played) -> Iterator[dict[str, Any]]:
+    """Of each plan: facts as predicted and as simulated of its end, and what a search tried."""
+    facts = _facts()
+    for step in played.steps:
+        seen = step.made.predicted
+        if seen is None:
+            continue
+        true = facts.observe(step.states[-1], played.trial.goal)
+        yield {
+            "truth": [[bool(p), bool(s)] for p, s in zip(seen.truth, true.truth, strict=True)],
+            "margin": [[round(float(p), 4), round(float(s), 4)] for p, s in zip(seen.margin, true.margin, strict=True)],
+            **_tried(step),
+        }
+
+
+def _tried(step: Step) -> dict[str, Any]:
+    found = step.made.searched
+    if found is None:
+        return {}
+    return {
+        "retained": found.retained,
+        "tried": [[local_name(t.diagnosis.failure), t.mechanism, t.better] for t in found.tried],
+    }
+
+
+def _facts() -> MazeFacts:
+    knowledge = load_knowledge()
+    return MazeFacts(maze_named(MAZE), required_facts(knowledge), knowledge)
+
+
+def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
+    """Each row's rates and distances, with intervals over trials, and the paired comparisons."""
+    whole = [row for row in rows if "crashed" not in row]
+    found: dict[str, float] = {
+        "trials": len({row["trial"] for row in rows}),
+        "training_seeds": len({row["model"] for row in rows}),
+        "crashed": len(rows) - len(whole),
+    }
+    for name in ROWS:
+        found |= _of_row(name, [row for row in whole if row["row"] == name])
+    means = {name: _by_trial([row for row in whole if row["row"] == name]) for name in ROWS}
+    p = {}
+    for name, (one, other) in COMPARED.items():
+        shared = sorted(set(means[one]) & set(means[other]))
+        if shared:
+            gaps = np.array([means[one][number] - means[other][number] for number in shared])
+            found[f"{one}_minus_{other}"] = float(gaps.mean())
+            found[f"{one}_minus_{other}.low"], found[f"{one}_minus_{other}.high"] = bootstrap(gaps)
+            p[f"{name}_p"] = sign_flip(gaps)
+    return found | holm(p)
+
+
+def _of_row(name: str, rows: Sequence[Row]) -> dict[str, float]:
+    if not rows:
+        return {}
+    count = len(rows)
+    means = np.array(list(_by_trial(rows).values()))
+    found: dict[str, float] = {f"{name}_n": count, f"{name}_success": _share(rows, lambda row: row["success"])}
+    found[f"{name}_success.low"], found[f"{name}_success.high"] = wilson(sum(r["success"] for r in rows), count)
+    for plans in (1, 2):
+        found[f"{name}_success_{plans}"] = _share(rows, lambda row, most=plans: row["success"] and row["plans"] <= most)
+    found[f"{name}_distance"] = float(means.mean())
+    found[f"{name}_distance.low"], found[f"{name}_distance.high"] = bootstrap(means)
+    for part in ("position", "velocity", "evaluations", "planning_s"):
+        found[f"{name}_{part}"] = float(np.mean([row[part] for row in rows]))
+    for block in BLOCKS:
+        some = [row for row in rows if row["block"] == block]
+        if some:
+            found[f"{name}_{block}_success"] = _share(some, lambda row: row["success"])
+            found[f"{name}_{block}_distance"] = float(np.mean([row["distance"] for row in some]))
+    facts = [local_name(fact.predicate) for fact in _facts().required.facts]
+    made = [plan for row in rows for plan in row["predicted"]]
+    for place, fact in enumerate(facts if made else []):
+        pairs = np.array([plan["truth"][place] for plan in made])
+        found[f"{name}_{fact}.false_satisfied"] = float((pairs[:, 0] & ~pairs[:, 1]).mean())
+        found[f"{name}_{fact}.false_missing"] = float((~pairs[:, 0] & pairs[:, 1]).mean())
+    return found
+
+
+def _share(rows: Sequence[Row], holds: Any) -> float:  # noqa: ANN401 - a predicate of a row
+    return sum(bool(holds(row)) for row in rows) / len(rows)
+
+
+def _by_trial(rows: Sequence[Row]) -> dict[int, float]:
+    """The final distance of each trial, a mean over the models."""
+    found: dict[int, list[float]] = {}
+    for row in rows:
+        found.setdefault(row["trial"], []).append(row["distance"])
+    return {number: float(np.mean(some)) for number, some in found.items()}
+
+
+POINTMAZE = Protocol(
+    name="pointmaze",
+    help="PointMaze by features, events, typed facts and guided search, on equal budgets",
+    seeds=SEEDS,
+    trials=trials,
+    run=run,
+    metrics=metrics,
+    parts="row",
+)

@@ -57,7 +57,7 @@ class Course:
     components: int = 128
     members: int = 3
     motion: int = 12000
-    appearance: int = 1000
+    appearance: int = 2000
     estimate: int = 3000
     heads: int = 3000
 
@@ -94,10 +94,11 @@ def _projection(course: Course, folder: Path, card: Card, say: Say) -> Mapping[s
 
 
 def _dynamics(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
-    maze, seen = maze_named(course.maze), load_projected(folder / FILES["projection"])
+    seen = load_projected(folder / FILES["projection"])
     frames = _frames(course, "train", seen, folder, say)
-    low, high = np.array(maze.extent[:2]), np.array(maze.extent[2:])
-    middle, half = ((low + high) / 2).tolist(), float((high - low).max() / 2)
+    places = frames.states[..., :2].reshape(-1, 2).astype(np.float64)
+    low, high = places.min(axis=0), places.max(axis=0)
+    middle, half = ((low + high) / 2).round(2).tolist(), round(float((high - low).max() / 2), 2)
     motion = {
         "centre": [*middle, 0.0, 0.0],
         "scale": [half, half, MAX_SPEED, MAX_SPEED],

@@ -16,12 +16,12 @@ import torch
 
 from benchmarks.intervals import wilson
 from benchmarks.paired import bootstrap, holm, sign_flip
-from benchmarks.pointmaze_rows import MAZE, ROWS, maze_rollout, planner
 from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.schema import local_name
 from runtime.planning.pointmaze.models import SEEDS, shipped
 from runtime.planning.pointmaze.mpc import Played, Step, play
+from runtime.planning.pointmaze.rows import MAZE, ROWS, maze_rollout, planner
 from runtime.pointmaze.grounded import MazeFacts, required_facts
 from runtime.pointmaze.maze import MACRO_STEPS, maze_named
 from runtime.pointmaze.trials import PUBLISHED, trial

@@ -15,7 +15,7 @@ from runtime.planning.cem import Found, Region, search
 from runtime.planning.question import Question
 from runtime.records import Diagnosis
 
-__all__ = ["Mechanism", "again", "longer_horizon", "match_velocity", "resample_around_margin"]
+__all__ = ["Mechanism", "again", "longer_horizon", "match_velocity", "resample_around_margin", "waypoint"]
 
 Mechanism = Callable[[Question, Found, Diagnosis, torch.Generator], Found | None]
 
@@ -74,6 +74,32 @@ def longer_horizon(question: Question, best: Found, diagnosis: Diagnosis, random
         return search(
             question.cost, Region(mean, wide.deviation), question.budget, question.sampling, random
         )  # fmt: skip
+
+
+def waypoint(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
+    """Go to the middle of the way through the free cells first, then on; None where no cell lies between."""
+    del diagnosis
+    if question.between is None:
+        return None
+    macro, place = question.dynamics.macro, question.between
+    half = len(best.actions) // macro // 2 * macro
+    budget = replace(question.budget, iterations=max(question.budget.iterations // 2, 1))
+
+    def away(actions: torch.Tensor) -> torch.Tensor:
+        there = question.imagine(actions).proprio[:, :, -1, : place.numel()]
+        return (there - place).norm(dim=-1).mean(dim=0)
+
+    def onward(actions: torch.Tensor) -> torch.Tensor:
+        return question.cost(torch.cat([there.actions.expand(len(actions), -1, -1), actions], dim=1))
+
+    with torch.no_grad():
+        device = best.actions.device
+        start = Region.everywhere(half, question.actions, question.sampling, device)
+        there = search(away, start, budget, question.sampling, random)
+        rest = Region.everywhere(len(best.actions) - half, question.actions, question.sampling, device)
+        on = search(onward, rest, budget, question.sampling, random)
+        spent = there.evaluations + on.evaluations
+        return _priced(question, Found(torch.cat([there.actions, on.actions]), on.cost, spent, best.region))
 
 
 def again(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import torch
 
@@ -16,9 +17,13 @@ from runtime.planning.scorers import Scorer
 __all__ = ["Question"]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Question:
-    """One plan to be made. ``horizon`` in macro steps; the most that a mechanism may ask for is ``longest``."""
+    """One plan to be made; raises ``WM010`` where a number of ``history`` or ``goal`` is not finite.
+
+    The longest plan that a mechanism may make has ``longest`` macro steps. ``between`` (2,): the middle of the way that
+    the task's layout leaves from start to goal, None where it is not known or nothing lies between.
+    """
 
     dynamics: Dynamics
     grounder: PredGrounder
@@ -27,36 +32,26 @@ class Question:
     goal: Goal
     budget: Budget
     sampling: Sampling
-    horizon: int
     longest: int
-    begin: torch.Tensor
-    actions: int = 2
+    between: torch.Tensor | None = None
 
-    @classmethod
-    def ask(
-        cls,
-        dynamics: Dynamics,
-        grounder: PredGrounder,
-        scorer: Scorer,
-        history: History,
-        goal: Goal,
-        budget: Budget,
-        sampling: Sampling,
-        horizon: int,
-        longest: int,
-    ) -> Question:
-        """A question whose numbers are finite; raises ``WM010`` where one of history or goal is not."""
-        for what, given in (("the picture", history.features), ("the goal's picture", goal.features)):
+    def __post_init__(self) -> None:
+        for what, given in (("the picture", self.history.features), ("the goal's picture", self.goal.features)):
             if not bool(given.isfinite().all()):
                 raise OntoError.of("WM010", f"the features of {what} are not finite", "encode the picture again")
-        begin = dynamics.begin(history)
-        known = goal.proprio[goal.sensed]
-        if not bool(begin.isfinite().all()) or not bool(known.isfinite().all()):
+        known = self.goal.proprio[self.goal.sensed]
+        if not bool(self.begin.isfinite().all()) or not bool(known.isfinite().all()):
             raise OntoError.of("WM010", "the proprioception of start or goal is not finite", "read the sensors again")
-        actions = history.actions.shape[-1]
-        return cls(
-            dynamics, grounder, scorer, history, goal, budget, sampling, horizon, longest, begin, actions
-        )  # fmt: skip
+
+    @cached_property
+    def begin(self) -> torch.Tensor:
+        """The proprioception (P,) that a plan begins with, estimated where it is not sensed."""
+        return self.dynamics.begin(self.history)
+
+    @property
+    def actions(self) -> int:
+        """A."""
+        return int(self.history.actions.shape[-1])
 
     def imagine(self, actions: torch.Tensor) -> Imagined:
         """What candidates (N, T, A) lead to; T is a multiple of the macro step."""

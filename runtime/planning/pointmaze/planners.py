@@ -74,9 +74,9 @@ class ByModel(Planner):
         """Search; then, with guidance, better what is found. Raises ``WM010`` where a feature is not finite."""
         if self._goal is None:
             raise RuntimeError("an episode begins before its first plan")
-        question = Question.ask(
-            self._model.dynamics, self._grounder, self._scorer, self._sensor.history(), self._goal,
-            self._budget, self._sampling, HORIZON, left * HORIZON,
+        question = Question(
+            self._model.dynamics, self._grounder, self._scorer, self._sensor.history(), self._goal, self._budget,
+            self._sampling, left * HORIZON, self._sensor.between(),
         )  # fmt: skip
         region = Region.everywhere(_STEPS, ACTION_DIM, self._sampling, question.begin.device)
         with torch.no_grad():

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from grounding.world_model.dynamics import History
 from grounding.world_model.encoder import Encoder
 from grounding.world_model.pred import Goal
+from runtime.pointmaze.cells import cell_way
 from runtime.pointmaze.maze import ACTION_DIM, MACRO_STEPS, STATE_DIM, Maze
 from runtime.pointmaze.picture import draw
 
@@ -29,6 +30,7 @@ class Sensor:
         self._sensed = torch.tensor(sensed, device=device)
         self._proprio = np.full((length, STATE_DIM), np.nan)
         self._actions = np.full((length - 1, MACRO_STEPS, ACTION_DIM), np.nan)
+        self._target = np.full(STATE_DIM, np.nan)
 
     def look(self, state: NDArray[np.float64]) -> torch.Tensor:
         """Features (D,) of the picture of a state (4,)."""
@@ -37,6 +39,7 @@ class Sensor:
 
     def goal(self, state: NDArray[np.float64]) -> Goal:
         """A goal state (4,) as it is sensed."""
+        self._target = state
         return Goal(self.look(state), self._tensor(self._hidden(state)), self._sensed)
 
     def begin(self, state: NDArray[np.float64]) -> None:
@@ -56,6 +59,11 @@ class Sensor:
         return History(
             self.look(state), self._tensor(self._hidden(self._proprio)), self._tensor(self._actions), self._sensed
         )
+
+    def between(self) -> torch.Tensor | None:
+        """The middle (2,) of the cell half way from here to the goal; None where they are in cells side by side."""
+        way = cell_way(self._maze, self._proprio[-1], self._target)
+        return self._tensor(way[len(way) // 2]) if len(way) > 2 else None
 
     def _hidden(self, states: NDArray[np.float64]) -> NDArray[np.float64]:
         """``states`` (..., 4) with zeros for what is not sensed."""

@@ -19,7 +19,7 @@ from onto_compiler.schema import local_name
 from runtime.diagnosis import diagnose
 from runtime.planning.cem import Budget, Found, Region, Sampling
 from runtime.planning.guided import improve
-from runtime.planning.mechanisms import again, longer_horizon, match_velocity, resample_around_margin
+from runtime.planning.mechanisms import again, longer_horizon, match_velocity, resample_around_margin, waypoint
 from runtime.planning.question import Question
 from runtime.planning.scorers import Weighted, Weights
 from runtime.pointmaze.grounded import required_facts
@@ -107,11 +107,10 @@ def test_search_ends_where_no_route_is_left():
 def test_every_registered_mechanism_serves_a_plan_route():
     found = load_routed(KNOWLEDGE.schema, "onto_evwm.mechanisms", "mechanism", "RUN010")
     levels = {local_name(iri): route.level for iri, route in KNOWLEDGE.schema.routes.items()}
-    assert {"longer_horizon", "match_velocity", "resample_around_margin"} <= set(found)
-    assert {levels[name] for name in found} == {"plan"}
+    assert set(found) == {name for name, level in levels.items() if level == "plan"}
 
 
-def question(longest: int = 10, features: float = 0.0) -> Question:
+def question(longest: int = 10, features: float = 0.0, between: torch.Tensor | None = None) -> Question:
     torch.manual_seed(0)
     motion = {"centre": CENTRE, "scale": SCALE, "bound": [9.0] * 4, "actions": 2, "members": 2, "width": 16}
     dynamics = Dynamics(motion, 4, 1.0, width=16)
@@ -125,7 +124,7 @@ def question(longest: int = 10, features: float = 0.0) -> Question:
     scorer = Weighted(Weights(proprio=1.0, margins={"at_target": 0.3}), dynamics, None, grounder)
     history = History(torch.full((4,), features), torch.rand(3, 4), torch.rand(2, 5, 2), sensed)
     goal = Goal(torch.rand(4), torch.tensor([2.0, 1.0, 0.5, -0.5]), sensed)
-    return Question.ask(dynamics, grounder, scorer, history, goal, Budget(40, 8, 4), Sampling(), 5, longest)
+    return Question(dynamics, grounder, scorer, history, goal, Budget(40, 8, 4), Sampling(), longest, between)
 
 
 def worst(asked: Question) -> Found:
@@ -158,6 +157,17 @@ def test_a_longer_horizon_is_offered_only_where_there_is_time():
     assert found is not None
     assert found.actions.shape == (50, 2)
     assert longer_horizon(question(longest=9), best, None, torch.Generator().manual_seed(0)) is None
+
+
+def test_a_waypoint_is_offered_only_where_something_lies_between():
+    random = torch.Generator().manual_seed(0)
+    asked = question()
+    assert waypoint(asked, worst(asked), None, random) is None
+    asked = question(between=torch.tensor([2.4, 1.4]))
+    found = waypoint(asked, worst(asked), None, random)
+    assert found is not None
+    assert found.actions.shape == (25, 2)
+    assert found.evaluations == 2 * 40 * 2
 
 
 def test_features_that_are_no_numbers_are_refused_before_planning():

@@ -16,6 +16,7 @@ import torch
 
 from benchmarks.intervals import wilson
 from benchmarks.paired import bootstrap, holm, sign_flip
+from benchmarks.pointmaze_speed import from_nothing_minutes, grounding_ms, table_minutes
 from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.schema import local_name
@@ -32,6 +33,8 @@ FRESH = 200
 BLOCKS = {"published": range(PUBLISHED), "fresh": range(PUBLISHED, PUBLISHED + FRESH)}
 SMALL = 2
 """Trials of each row, with the first model."""
+_SPEED, _TIMED = "speed", ("grounding", "table", "from_nothing")
+_TIMES = ("grounding_300x5_ms", "table_min", "training_min", "from_nothing_min")
 COMPARED = {
     "onto_vs_event": ("onto", "event"),
     "onto_vs_feature": ("onto", "feature"),
@@ -46,15 +49,21 @@ COMPARED = {
 def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signature
     """Each row with each model on each trial; what asks no model is run once."""
     numbers = range(PUBLISHED + FRESH) if full else range(SMALL)
-    return [
+    played: list[Trial] = [
         {"key": f"{name}/{seed}/{number}", "row": name, "model": seed, "trial": number}
         for name, row in ROWS.items()
         for seed, number in product(SEEDS if row.learned and full else SEEDS[:1], numbers)
     ]
+    timed: list[Trial] = [
+        {"key": f"{_SPEED}/{what}", "row": _SPEED, "measured": what} for what in (_TIMED if full else _TIMED[:1])
+    ]
+    return played + timed
 
 
 def run(trial_: Trial) -> list[Row]:
-    """One trial."""
+    """One trial, or one thing that is timed."""
+    if trial_["row"] == _SPEED:
+        return [_timed(trial_["measured"])]
     torch.set_num_threads(1)
     name, seed, number = trial_["row"], trial_["model"], trial_["trial"]
     random = torch.Generator().manual_seed(number * len(SEEDS) + seed)
@@ -75,6 +84,16 @@ def run(trial_: Trial) -> list[Row]:
             "predicted": list(_predicted(played)),
         }
     ]
+
+
+def _timed(what: str) -> Row:
+    row: Row = {"mode": "none", "sees": "predicted"}
+    if what == "grounding":
+        return {**row, "grounding_300x5_ms": round(grounding_ms(shipped(SEEDS[0])), 3)}
+    if what == "table":
+        return {**row, "table_min": round(table_minutes(shipped(SEEDS[0])), 3)}
+    made, table = from_nothing_minutes()
+    return {**row, "training_min": round(made, 3), "from_nothing_min": round(made + table, 3)}
 
 
 def _predicted(played: Played) -> Iterator[dict[str, Any]]:
@@ -109,12 +128,15 @@ def _facts() -> MazeFacts:
 
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
     """Each row's rates and distances, with intervals over trials, and the paired comparisons."""
-    whole = [row for row in rows if "crashed" not in row]
+    played = [row for row in rows if row["row"] != _SPEED]
+    whole = [row for row in played if "crashed" not in row]
     found: dict[str, float] = {
-        "trials": len({row["trial"] for row in rows}),
-        "training_seeds": len({row["model"] for row in rows}),
-        "crashed": len(rows) - len(whole),
+        "trials": len({row["trial"] for row in played}),
+        "training_seeds": len({row["model"] for row in played}),
+        "crashed": sum("crashed" in row for row in rows),
     }
+    for row in rows:
+        found |= {name: row[name] for name in _TIMES if name in row}
     for name in ROWS:
         found |= _of_row(name, [row for row in whole if row["row"] == name])
     means = {name: _by_trial([row for row in whole if row["row"] == name]) for name in ROWS}

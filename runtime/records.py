@@ -17,6 +17,8 @@ __all__ = [
     "Attempt",
     "Diagnosis",
     "Episode",
+    "ExecutedPlan",
+    "Prediction",
     "Proposal",
     "RouteDecision",
     "Verification",
@@ -91,6 +93,18 @@ class Application:
 
 
 @dataclass(frozen=True, slots=True)
+class Prediction:
+    """What a world model predicts of a proposal that was not executed, and what came of the proposal.
+
+    ``adopted``: whether it took the place of the best plan so far; ``evaluations``: how many candidates it cost.
+    """
+
+    observation: Observation
+    adopted: bool
+    evaluations: int
+
+
+@dataclass(frozen=True, slots=True)
 class Verification:
     """The native predicate's answer. ``settled`` is None until somebody asked whether it still holds after settling."""
 
@@ -104,7 +118,8 @@ class Verification:
 class Attempt:
     """One turn of the loop; ``fault`` names a RunFault (a NaN, a crash), which is not an execution failure.
 
-    With neither an application nor a fault, the selected route had no candidate.
+    With neither an application nor a fault, the selected route had no candidate. An attempt at the level of plans
+    says which ``plan`` of the episode it was to better, and what was predicted of its proposal.
     """
 
     index: int
@@ -114,6 +129,28 @@ class Attempt:
     application: Application | None = None
     verification: Verification | None = None
     fault: str = ""
+    plan: int | None = None
+    prediction: Prediction | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ExecutedPlan:
+    """A plan that was executed: what was predicted of its end, and what the simulator showed of it.
+
+    ``diagnoses`` are the prediction's: without any the plan was retained, which is no success. ``predicted`` is None
+    where nothing was; ``planner`` is who made the plan, from ``evaluations`` candidates; it took ``steps`` control
+    steps of 1/20 s.
+    """
+
+    index: int
+    planner: str
+    evaluations: int
+    steps: int
+    predicted: Observation | None
+    diagnoses: tuple[Diagnosis, ...]
+    simulated: Observation
+    verification: Verification
+    mode: str = "controller"
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,11 +174,23 @@ class Episode:
     outcome: str
     verification: Verification | None
     provenance: tuple[tuple[str, Any], ...] = ()  # versions and seconds, as (name, value)
+    plans: tuple[ExecutedPlan, ...] = ()  # of a run that plans before it acts
 
     @property
     def accepted(self) -> bool:
         """Whether the native predicate accepted a state that this episode applied, or the one it started from."""
         return self.outcome in {"accepted", "verified"}
+
+    @property
+    def turns(self) -> tuple[Attempt | ExecutedPlan, ...]:
+        """Attempts and plans as they came: what was tried to better a plan stands before it."""
+        found: list[Attempt | ExecutedPlan] = []
+        plans = list(self.plans)
+        for attempt in self.attempts:
+            while plans and attempt.plan is not None and plans[0].index < attempt.plan:
+                found.append(plans.pop(0))
+            found.append(attempt)
+        return (*found, *plans)
 
 
 def state_name(index: int, word: str = "state") -> str:

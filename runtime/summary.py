@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from onto_compiler.schema import Schema
-from runtime.records import Attempt, Diagnosis, Episode, Verification, state_name
+from runtime.records import Attempt, Diagnosis, Episode, ExecutedPlan, Verification, state_name
 from runtime.trace.narrate import amount, atom, short_name, unit_of
 
 __all__ = ["demo_table", "episode_summary", "first_diagnoses", "margin_after", "routes_of", "verdict"]
@@ -33,6 +33,7 @@ def episode_summary(episode: Episode, schema: Schema) -> dict[str, Any]:
         "diagnoses": [_diagnosis(diagnosis, episode, schema) for diagnosis in first_diagnoses(episode)],
         "attempts": len(episode.attempts),
         "history": [_attempt(attempt, schema) for attempt in episode.attempts],
+        **({"plans": [_plan(plan, episode, schema) for plan in episode.plans]} if episode.plans else {}),
         "outcome": episode.outcome,
         "accepted": episode.accepted,
         "settled": None if episode.verification is None else episode.verification.settled,
@@ -103,6 +104,46 @@ def _attempt(attempt: Attempt, schema: Schema) -> dict[str, Any]:
         "note": (application.proposal.note or None) if application else None,
         "verification": _verification(attempt.verification),
         "fault": attempt.fault or None,
+        **_imagined(attempt),
+    }
+
+
+def _imagined(attempt: Attempt) -> dict[str, Any]:
+    """What was predicted of a proposal that was only imagined."""
+    prediction, index = attempt.prediction, attempt.selected.diagnosis.index
+    if prediction is None:
+        return {}
+    return {
+        "plan": attempt.plan,
+        "evaluations": prediction.evaluations,
+        "adopted": prediction.adopted,
+        "predicted_margin": _number(float(prediction.observation.margin[index])),
+    }
+
+
+def _plan(plan: ExecutedPlan, episode: Episode, schema: Schema) -> dict[str, Any]:
+    return {
+        "planner": plan.planner,
+        "evaluations": plan.evaluations,
+        "mode": plan.mode,
+        "steps": plan.steps,
+        "retained": None if plan.predicted is None else not plan.diagnoses,
+        "failures": [short_name(diagnosis.failure, schema) for diagnosis in plan.diagnoses],
+        "facts": [
+            {
+                "predicate": short_name(fact.predicate, schema),
+                "arguments": [argument.name for argument in fact.arguments],
+                "polarity": fact.polarity,
+                "truth": bool(plan.simulated.truth[i]),
+                "margin": _number(float(plan.simulated.margin[i])),
+                "unit": unit_of(fact, schema),
+                "predicted": None if plan.predicted is None else bool(plan.predicted.truth[i]),
+                "predicted_margin": None if plan.predicted is None else _number(float(plan.predicted.margin[i])),
+                "score": None if plan.predicted is None else _number(float(plan.predicted.score[i])),
+            }
+            for i, fact in enumerate(episode.required.facts)
+        ],
+        "verification": _verification(plan.verification),
     }
 
 

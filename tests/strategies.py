@@ -14,7 +14,17 @@ from onto_compiler.rdf import CORE
 from onto_compiler.required import Entity, Fact, NativeAtom, Precondition, RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.tables import ATTEMPT_STATUSES, LEVELS, STATUSES
-from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
+from runtime.records import (
+    Application,
+    Attempt,
+    Diagnosis,
+    Episode,
+    ExecutedPlan,
+    Prediction,
+    Proposal,
+    RouteDecision,
+    Verification,
+)
 from runtime.trace.names import ENDS
 
 SCHEMA = load_schema()
@@ -101,6 +111,7 @@ def verifications(draw):
 
 @st.composite
 def attempts(draw, required, index):
+    size = len(required.facts)
     chosen = draw(st.lists(st.integers(0, len(required.facts) - 1), min_size=1, unique=True))
     found = tuple(draw(diagnoses(required, i)) for i in chosen)
     if required.preconditions:
@@ -134,12 +145,31 @@ def attempts(draw, required, index):
         )
     return Attempt(
         index=index,
-        observation=draw(observations(len(required.facts))),
+        observation=draw(observations(size)),
         diagnoses=found,
         selected=decision,
         application=application,
         verification=draw(st.none() | verifications()),
         fault=draw(texts),
+        plan=draw(st.none() | st.integers(0, 3)),
+        prediction=draw(st.none() | st.builds(Prediction, observations(size), st.booleans(), st.integers(0, 9999))),
+    )
+
+
+@st.composite
+def plans(draw, required, index):
+    size = len(required.facts)
+    chosen = draw(st.lists(st.integers(0, size - 1), unique=True))
+    return ExecutedPlan(
+        index=index,
+        planner=draw(texts),
+        evaluations=draw(st.integers(0, 9999)),
+        steps=draw(st.integers(0, 99)),
+        predicted=draw(st.none() | observations(size)),
+        diagnoses=tuple(draw(diagnoses(required, i)) for i in chosen),
+        simulated=draw(observations(size)),
+        verification=draw(verifications()),
+        mode=draw(st.sampled_from(("none", "controller"))),
     )
 
 
@@ -176,4 +206,5 @@ def episodes(draw):
         outcome=draw(st.sampled_from(OUTCOMES)),
         verification=draw(st.none() | verifications()),
         provenance=tuple(draw(st.dictionaries(names, texts | st.integers() | st.booleans() | numbers)).items()),
+        plans=tuple(draw(plans(required, index)) for index in range(draw(st.integers(0, 2)))),
     )

@@ -172,8 +172,37 @@ RECORDS: Mapping[str, Record] = {
         {
             "verification": Field("record:Verification", TRACE + "verification", null=True),
             "fault": Field("string", TRACE + "fault", null=True),
+            # Of an attempt whose proposal was only imagined; `plan` is a place in the episode's plans.
+            "plan": Field("integer", optional=True),
+            "evaluations": Field("integer", TRACE + "evaluations", optional=True),
+            "adopted": Field("boolean", TRACE + "adopted", optional=True),
+            "predicted_margin": Field("number", null=True, optional=True),
         },
         parts=("RouteDecision", "Application"),
+    ),
+    "PlannedFact": Record(
+        "A required fact at the end of an executed plan: as the simulator shows it, and as it was predicted.",
+        {
+            **_FACT,
+            **_EVIDENCE,
+            "predicted": Field("boolean", null=True),
+            "predicted_margin": Field("number", null=True),
+            "score": Field("number", CORE + "score", null=True),
+        },
+        rules=("arity",),
+    ),
+    "ExecutedPlan": Record(
+        "A plan that was executed; `retained` is whether every required fact was predicted, which is no success.",
+        {
+            "planner": Field("string", TRACE + "proposer"),
+            "evaluations": Field("integer", TRACE + "evaluations"),
+            "mode": Field("word:mode", TRACE + "mode"),
+            "steps": Field("integer", TRACE + "controlSteps"),
+            "retained": Field("boolean", null=True),
+            "failures": Field("words:failure"),
+            "facts": Field("list:PlannedFact"),
+            "verification": Field("record:Verification", TRACE + "verification"),
+        },
     ),
     "Episode": Record(
         "One run of the correction loop, as `onto repair --json` prints it.",
@@ -188,6 +217,7 @@ RECORDS: Mapping[str, Record] = {
             "diagnoses": Field("list:Diagnosis", PROV + "wasGeneratedBy", reverse=True),
             "attempts": Field("integer"),
             "history": Field("list:Attempt", TRACE + "inEpisode", reverse=True),
+            "plans": Field("list:ExecutedPlan", TRACE + "inEpisode", reverse=True, optional=True),
             "outcome": Field("word:outcome", TRACE + "outcome"),
             "accepted": Field("boolean"),
             "settled": Field("boolean", null=True),

@@ -30,8 +30,12 @@ LEVEL = "plan"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tried:
-    """One answer to a diagnosis: whether its plan took the place of the best, and what was predicted of that plan."""
+    """One answer to a diagnosis: whether its plan took the place of the best, and what was predicted of that plan.
 
+    ``before``: what was predicted of the best plan until then, which was diagnosed.
+    """
+
+    before: Observation
     diagnosis: Diagnosis
     decision: RouteDecision | None
     mechanism: str
@@ -84,7 +88,7 @@ def improve(
         mechanism = instead or mechanisms.get(name)
         answer = mechanism(question, best, diagnosis, random) if mechanism else None
         if answer is None:
-            tried.append(Tried(diagnosis, decision, name, 0, better=False, observation=None))
+            tried.append(Tried(seen, diagnosis, decision, name, 0, better=False, observation=None))
             if decision is None or status == EXHAUSTED:
                 break
             status, previous = EXHAUSTED, decision.route
@@ -92,7 +96,7 @@ def improve(
         spent += answer.evaluations
         there = question.observation(answer.actions)
         better = (len(unmet(required, there)), answer.cost) < (len(unmet(required, seen)), best.cost)
-        tried.append(Tried(diagnosis, decision, name, answer.evaluations, better=better, observation=there))
+        tried.append(Tried(seen, diagnosis, decision, name, answer.evaluations, better=better, observation=there))
         if better:
             best, seen = answer, there
         status, previous = REPEAT, decision.route if decision else None

@@ -20,6 +20,7 @@ from grounding.predicates.planar import apart, clearance, target_address
 from grounding.scenes import Scene
 from grounding.sim import SimGrounder
 from onto_compiler.bddl import lift, parse_file
+from onto_compiler.bddl.parse import parse
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.required import Fact, RequiredABox
@@ -41,7 +42,9 @@ def task_file() -> Path:
 def required_facts(knowledge: Knowledge, path: Path | None = None) -> RequiredABox:
     """What the task file at ``path`` requires; :func:`task_file` without one. Raises as ``onto compile`` does."""
     found = task_file() if path is None else path
-    return lift(parse_file(found), knowledge.schema, found.stem)[0]
+    # Named as in its package, so that the same run makes the same trace everywhere.
+    spec = parse_file(found) if path else parse(found.read_text(encoding="utf-8"), f"pointmaze/{found.name}")
+    return lift(spec, knowledge.schema, found.stem)[0]
 
 
 def place(data: mujoco.MjData, maze: Maze, state: NDArray[np.floating], goal: NDArray[np.floating]) -> None:

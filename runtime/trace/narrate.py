@@ -10,10 +10,29 @@ from onto_compiler.required import Fact
 from onto_compiler.schema import Schema, local_name
 from onto_compiler.tables import ABSENT, EXHAUSTED, EXPLICITLY_FALSE, MARGIN_VIOLATED, REPEAT, SATISFIED, STATUSES
 from runtime.diagnosis import evidence_status
-from runtime.records import Application, Attempt, Diagnosis, Episode, RouteDecision, Verification, state_name
+from runtime.records import (
+    Application,
+    Attempt,
+    Diagnosis,
+    Episode,
+    ExecutedPlan,
+    RouteDecision,
+    Verification,
+    state_name,
+)
 from runtime.trace.reasons import Reasons
 
-__all__ = ["amount", "atom", "chain", "narrate", "outcome_sentence", "premise_sentence", "short_name", "unit_of"]
+__all__ = [
+    "amount",
+    "atom",
+    "chain",
+    "narrate",
+    "outcome_sentence",
+    "plan_sentences",
+    "premise_sentence",
+    "short_name",
+    "unit_of",
+]
 
 _SYMBOLS = {"M": "m", "M-PER-SEC": "m s⁻¹", "RAD": "rad", "N": "N"}
 _SOURCES = {"sim": "the simulator", "pred": "the world model"}
@@ -24,6 +43,10 @@ _OUTCOMES = {
     "unresolved": "The task stays unresolved: the attempts are spent, or no route had a further candidate.",
     "grounding_verifier_disagreement": "Every required fact is grounded as satisfied, and the native verifier says no.",
     "run_fault": "The run broke off; this says nothing about the task.",
+}
+_PLANNED = {
+    "accepted": "The native verifier accepted the state that the last plan led to.",
+    "unresolved": "The task stays unresolved: the plans are spent.",
 }
 _MODES = {
     "none": "was only retained as a plan",
@@ -72,9 +95,9 @@ def amount(margin: float, unit: str) -> str:
     return f"{margin:+.3g} {unit}".rstrip()
 
 
-def outcome_sentence(outcome: str) -> str:
-    """What an outcome means."""
-    return _OUTCOMES[outcome]
+def outcome_sentence(outcome: str, *, planned: bool = False) -> str:
+    """What an outcome means; ``planned``: of an episode whose plans were executed."""
+    return (_PLANNED if planned else {}).get(outcome, _OUTCOMES[outcome])
 
 
 def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) -> Iterator[str]:
@@ -89,11 +112,15 @@ def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) ->
         yield f"  {premise}"
     yield f"  The task requires {_listed([atom(fact, schema) for fact in episode.required.facts])}{_choice(episode)}."
     yield from _state("At the start", episode.required.facts, episode.initial, schema)
-    for attempt in episode.attempts:
-        yield f"Attempt {attempt.index + 1}"
-        yield from (f"  {sentence}" for sentence in chain(attempt, schema, reasons))
+    for event in episode.turns:
+        if isinstance(event, ExecutedPlan):
+            yield f"Plan {event.index + 1}"
+            yield from (f"  {sentence}" for sentence in plan_sentences(event, episode.required.facts, schema))
+            continue
+        yield f"Attempt {event.index + 1}" + ("" if event.plan is None else f", to better plan {event.plan + 1}")
+        yield from (f"  {sentence}" for sentence in chain(event, schema, reasons))
     yield "Outcome"
-    yield f"  {outcome_sentence(episode.outcome)}"
+    yield f"  {outcome_sentence(episode.outcome, planned=bool(episode.plans))}"
     if episode.verification is not None and not episode.attempts:
         yield f"  {_verified(episode.verification)}"
     yield from _state("At the end", episode.required.facts, episode.final, schema)
@@ -120,14 +147,60 @@ def chain(attempt: Attempt, schema: Schema, reasons: Reasons | None = None) -> I
     for diagnosis in attempt.diagnoses:
         if diagnosis.precondition and repr(diagnosis) != repr(attempt.selected.diagnosis):
             yield f"Before it, {atom(diagnosis.fact, schema)} should hold, and nothing has brought that about."
-    if attempt.application is not None:
+    yield from _came_of(attempt, schema)
+    if attempt.verification is not None:
+        yield _verified(attempt.verification)
+
+
+def _came_of(attempt: Attempt, schema: Schema) -> Iterator[str]:
+    """What became of the proposal, or why there was none."""
+    if attempt.prediction is not None:
+        yield from _imagined(attempt, schema)
+    elif attempt.application is not None:
         yield _applied(attempt.application)
     elif not attempt.fault:
         yield f"Application: none, as `{short_name(attempt.selected.route, schema)}` had no candidate."
     if attempt.fault:
         yield f"Fault: {attempt.fault}."
-    if attempt.verification is not None:
-        yield _verified(attempt.verification)
+
+
+def _imagined(attempt: Attempt, schema: Schema) -> Iterator[str]:
+    """What became of a proposal that was only imagined."""
+    prediction, application = attempt.prediction, attempt.application
+    if prediction is None:
+        return
+    by = "" if application is None else f" of `{application.proposal.proposer}`"
+    came = "takes the place of the best plan" if prediction.adopted else "is no better than the best plan"
+    yield f"Proposal: a plan{by}, from {prediction.evaluations} candidates, {came}."
+    fact, index = attempt.selected.diagnosis.fact, attempt.selected.diagnosis.index
+    seen = prediction.observation
+    margin, score = amount(float(seen.margin[index]), unit_of(fact, schema)), float(seen.score[index])
+    word, sure = "holds" if seen.truth[index] else "does not hold", "" if isnan(score) else f", score {score:.2f}"
+    yield f"Prediction: {atom(fact, schema)} {word} (margin {margin}{sure})."
+
+
+def plan_sentences(plan: ExecutedPlan, facts: Sequence[Fact], schema: Schema) -> Iterator[str]:
+    """A plan's making and execution; each fact as it was predicted and as it came; the verdict."""
+    made = f"Plan: made by `{plan.planner}` from {plan.evaluations} candidate{'s' * (plan.evaluations != 1)}"
+    executed = f", {_MODES[plan.mode]} in {plan.steps} control steps" if plan.mode == "controller" else ""
+    yield f"{made}{executed}."
+    for index, fact in enumerate(facts):
+        unit = unit_of(fact, schema)
+        came = "holds" if plan.simulated.truth[index] else "does not hold"
+        told = f"{came} in the simulator ({amount(float(plan.simulated.margin[index]), unit)})"
+        if plan.predicted is not None:
+            pair = bool(plan.predicted.truth[index]), bool(plan.simulated.truth[index])
+            mistake = {(True, False): ", falsely satisfied", (False, True): ", falsely missing"}.get(pair, "")
+            score = float(plan.predicted.score[index])
+            sure = "" if isnan(score) else f", score {score:.2f}"
+            margin = amount(float(plan.predicted.margin[index]), unit)
+            told = f"predicted {'' if pair[0] else 'not '}to hold ({margin}{sure}), {told}{mistake}"
+        yield f"Fact: {atom(fact, schema)}: {told}."
+    if plan.predicted is not None:
+        unmet = [f"{atom(d.fact, schema)} ({short_name(d.failure, schema)})" for d in plan.diagnoses]
+        said = f"is predicted to lack {_listed(unmet)}" if unmet else "is predicted to meet the goal and was retained"
+        yield f"Diagnosis: the plan {said}."
+    yield _verified(plan.verification)
 
 
 def _applied(application: Application) -> str:

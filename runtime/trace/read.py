@@ -17,7 +17,17 @@ from onto_compiler.rdf import CORE, RDF, RDFS, TRACE, node
 from onto_compiler.required import Entity, Fact, NativeAtom, Precondition, RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.tables import ABSENT
-from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
+from runtime.records import (
+    Application,
+    Attempt,
+    Diagnosis,
+    Episode,
+    ExecutedPlan,
+    Prediction,
+    Proposal,
+    RouteDecision,
+    Verification,
+)
 from runtime.trace.names import ENDS, LEVELS, MODES, OUTCOMES, RUNS, SOURCES, inverse
 
 __all__ = ["episode_iris", "read_episode"]
@@ -53,7 +63,9 @@ def read_episode(store: Store, iri: str) -> Episode:
     about = _Subject(store, iri)
     required = _required(about.subject("trace_requires"))
     provenance = about.json("trace_provenance")
-    attempts = [_attempt(attempt, required) for attempt in about.incoming(TRACE + "inEpisode")]
+    parts = list(about.incoming(TRACE + "inEpisode"))
+    attempts = [_attempt(part, required) for part in parts if not part.is_a(TRACE + "ExecutedPlan")]
+    plans = [_plan(part, required) for part in parts if part.is_a(TRACE + "ExecutedPlan")]
     verification = about.subject_or_none("trace_verification")
     return Episode(
         task=about.text("trace_task"),
@@ -69,6 +81,7 @@ def read_episode(store: Store, iri: str) -> Episode:
         outcome=about.word("trace_outcome", _OUTCOME),
         verification=_verification(verification) if verification else None,
         provenance=tuple(provenance.items()),
+        plans=tuple(sorted(plans, key=lambda plan: plan.index)),
     )
 
 
@@ -125,6 +138,17 @@ class _Subject:
 
     def json(self, key: str) -> Any:  # noqa: ANN401 - whatever JSON holds
         return self.convert(key, json.loads)
+
+    def place(self) -> int:
+        """The number that ends the IRI: what is pointed to may not be there, as where a run broke off."""
+        number = self.iri.rpartition("/")[2]
+        if not number.isdecimal():
+            raise self.fault("is no numbered part of an episode")
+        return int(number)
+
+    def is_a(self, kind: str) -> bool:
+        pattern = self.store.quads_for_pattern(node(self.iri), node(RDF + "type"), node(kind), None)
+        return next(pattern, None) is not None
 
     def subject(self, key: str) -> _Subject:
         return _Subject(self.store, self.text(key))
@@ -223,6 +247,7 @@ def _observation(about: _Subject) -> Observation:
 def _attempt(about: _Subject, required: RequiredABox) -> Attempt:
     application = about.subject_or_none("trace_applied")
     verification = about.subject_or_none("trace_verification")
+    plan = about.subject_or_none("trace_forPlan")
     return Attempt(
         index=about.integer("trace_index"),
         observation=_observation(about.subject("trace_observed")),
@@ -231,6 +256,31 @@ def _attempt(about: _Subject, required: RequiredABox) -> Attempt:
         application=_application(application) if application else None,
         verification=_verification(verification) if verification else None,
         fault=about.text_or_none("trace_fault") or "",
+        plan=plan.place() if plan else None,
+        prediction=_prediction(about) if about.text_or_none("trace_predicted") is not None else None,
+    )
+
+
+def _prediction(about: _Subject) -> Prediction:
+    return Prediction(
+        observation=_observation(about.subject("trace_predicted")),
+        adopted=about.boolean("trace_adopted"),
+        evaluations=about.integer("trace_evaluations"),
+    )
+
+
+def _plan(about: _Subject, required: RequiredABox) -> ExecutedPlan:
+    predicted = about.subject_or_none("trace_predicted")
+    return ExecutedPlan(
+        index=about.integer("trace_index"),
+        planner=about.text("trace_proposer"),
+        evaluations=about.integer("trace_evaluations"),
+        steps=about.integer("trace_controlSteps"),
+        predicted=_observation(predicted) if predicted else None,
+        diagnoses=tuple(_diagnosis(diagnosis, required) for diagnosis in about.members("trace_diagnosis")),
+        simulated=_observation(about.subject("trace_simulated")),
+        verification=_verification(about.subject("trace_verification")),
+        mode=about.word("trace_mode", _MODE),
     )
 
 

@@ -211,7 +211,8 @@ def _graphs(store: Store, episode: str) -> list[str]:
     graphs = [episode, *(f"{episode}/{part}" for part in ("required", "premise", "initial", "final"))]
     for quad in store.quads_for_pattern(None, node(TRACE + "inEpisode"), node(episode), None):
         if isinstance(quad.subject, NamedNode):
-            graphs += [quad.subject.value, quad.subject.value.replace("/attempt/", "/observed/")]
+            part = quad.subject.value
+            graphs += [part, part.replace("/attempt/", "/observed/"), f"{part}/predicted", f"{part}/simulated"]
     return graphs
 
 

@@ -27,7 +27,17 @@ from onto_compiler.schema import Schema
 from onto_compiler.statements import Statement, describe, link, quads_of
 from onto_compiler.tables import STATUSES
 from runtime.diagnosis import evidence_status
-from runtime.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
+from runtime.records import (
+    Application,
+    Attempt,
+    Diagnosis,
+    Episode,
+    ExecutedPlan,
+    Prediction,
+    Proposal,
+    RouteDecision,
+    Verification,
+)
 from runtime.trace.names import ENDS, LEVELS, MODES, OUTCOMES, SOURCES, episode_iri, run_iri
 
 __all__ = ["episode_quads"]
@@ -60,14 +70,27 @@ def episode_quads(episode: Episode, schema: Schema, run: str) -> Iterator[Quad]:
         (f"{top}/initial", _origin(f"{top}/initial", top, required)),
     ]
     earlier, maker = f"{top}/initial", top
-    for attempt in episode.attempts:
-        observed, iri = f"{top}/observed/{attempt.index}", f"{top}/attempt/{attempt.index}"
+    known = _Required(episode.required, thresholds)
+    for event in episode.turns:
+        if isinstance(event, ExecutedPlan):
+            iri = f"{top}/plan/{event.index}"
+            graphs += _plan_graphs(iri, top, event, maker, earlier, known)
+            earlier, maker = f"{iri}/simulated", iri
+            continue
+        observed, iri = f"{top}/observed/{event.index}", f"{top}/attempt/{event.index}"
         graphs += [
-            (observed, _observation(observed, required, facts, attempt.observation)),
+            (observed, _observation(observed, required, facts, event.observation)),
             (observed, _origin(observed, maker, required, earlier)),
-            (iri, _attempt(iri, top, attempt, maker, routes, _Required(episode.required, thresholds))),
+            (iri, _attempt(iri, top, event, maker, routes, known)),
         ]
         earlier, maker = observed, iri
+        if event.prediction is not None:
+            predicted = f"{iri}/predicted"
+            graphs += [
+                (predicted, _observation(predicted, required, facts, event.prediction.observation)),
+                (predicted, _origin(predicted, iri, required, observed)),
+            ]
+            earlier = predicted if event.prediction.adopted else observed
     final = f"{top}/final"
     graphs += [
         (final, _observation(final, required, facts, episode.final)),
@@ -156,7 +179,10 @@ def _attempt(
         trace_applied=node(f"{iri}/application") if attempt.application else None,
         trace_verification=node(f"{iri}/verification") if attempt.verification else None,
         trace_fault=attempt.fault or None,
+        trace_forPlan=None if attempt.plan is None else node(f"{top}/plan/{attempt.plan}"),
     )
+    if attempt.prediction is not None:
+        yield from _prediction(iri, attempt.prediction)
     yield from link(iri, TRACE + "failure", *[CORE + "ExecutionFailure"] * failed)
     yield from link(iri, TRACE + "failure", *[CORE + "RunFault"] * bool(attempt.fault))
     yield from link(iri, TRACE + "diagnosis", *diagnoses)
@@ -180,6 +206,56 @@ def _attempt(
         yield from _verification(verification, attempt.verification)
         yield from link(verification, _GENERATED, f"{iri}/application" if attempt.application else iri)
         yield from link(verification, _DERIVED, f"{iri}/proposal" if attempt.application else f"{iri}/decision")
+
+
+def _prediction(iri: str, prediction: Prediction) -> Iterator[Statement]:
+    yield from describe(
+        iri,
+        [],
+        trace_predicted=node(f"{iri}/predicted"),
+        trace_adopted=prediction.adopted,
+        trace_evaluations=int(prediction.evaluations),
+    )
+
+
+def _plan_graphs(
+    iri: str, top: str, plan: ExecutedPlan, maker: str, earlier: str, required: _Required
+) -> Iterator[tuple[str, Iterable[Statement]]]:
+    """A plan's own graph, and those of the ABoxes that were predicted and simulated of its end."""
+    abox, facts = f"{top}/required", required.abox.facts
+    simulated, predicted = f"{iri}/simulated", f"{iri}/predicted"
+    yield iri, _plan(iri, top, plan, maker, required)
+    if plan.predicted is not None:
+        yield predicted, _observation(predicted, abox, facts, plan.predicted)
+        yield predicted, _origin(predicted, maker, abox, earlier)
+    yield simulated, _observation(simulated, abox, facts, plan.simulated)
+    yield simulated, _origin(simulated, iri, abox, earlier)
+
+
+def _plan(iri: str, top: str, plan: ExecutedPlan, maker: str, required: _Required) -> Iterator[Statement]:
+    predicted, verification = f"{iri}/predicted", f"{iri}/verification"
+    yield from describe(
+        iri,
+        [TRACE + "ExecutedPlan"],
+        trace_inEpisode=node(top),
+        trace_index=plan.index,
+        trace_proposer=plan.planner,
+        trace_evaluations=int(plan.evaluations),
+        trace_controlSteps=int(plan.steps),
+        trace_mode=node(MODES[plan.mode]),
+        trace_predicted=node(predicted) if plan.predicted is not None else None,
+        trace_simulated=node(f"{iri}/simulated"),
+        trace_verification=node(verification),
+    )
+    yield from link(iri, _INFORMED, maker)
+    diagnoses = [f"{iri}/diagnosis/{i}" for i in range(len(plan.diagnoses))]
+    yield from link(iri, TRACE + "diagnosis", *diagnoses)
+    for index, (name, diagnosis) in enumerate(zip(diagnoses, plan.diagnoses, strict=True)):
+        yield from _diagnosis(name, top, predicted, index, diagnosis, required)
+        yield from link(name, _GENERATED, iri)
+    yield from _verification(verification, plan.verification)
+    yield from link(verification, _GENERATED, iri)
+    yield from link(verification, _DERIVED, f"{iri}/simulated")
 
 
 @dataclass(frozen=True, slots=True)

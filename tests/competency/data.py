@@ -17,6 +17,7 @@ DATA = {
     "failure-counts": (samples.accepted, samples.lost_after_settling, samples.negated, samples.disagreement),
     "lineage": (samples.accepted, samples.disagreement, samples.faulted),
     "margins-by-predicate": (samples.accepted, samples.unresolved, samples.faulted),
+    "prediction-errors": (samples.planned, samples.played),
     "premise-violations": (samples.accepted, samples.unresolved),
     "repairs": (samples.accepted, samples.lost_after_settling, samples.unresolved),
     "retries": (samples.accepted, samples.unresolved),

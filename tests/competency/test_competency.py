@@ -35,7 +35,7 @@ def test_write_the_goldens_anew():
 
 def test_every_named_query_has_a_folder_and_every_folder_a_query():
     assert FOLDERS == sorted(named_queries()) == sorted(DATA)
-    assert len(FOLDERS) == 11
+    assert len(FOLDERS) == 12
     for name in FOLDERS:
         assert {path.name for path in (HERE / name).iterdir()} == {"question.md", "data.trig", "expected.csv"}
 

@@ -19,12 +19,25 @@ from runtime.pointmaze.rollout import Rollout
 from runtime.pointmaze.trials import Trial
 from runtime.pointmaze.verdict import Verdict, judge
 
-__all__ = ["Made", "Planner", "Played", "Step", "play"]
+__all__ = ["Foreseen", "Made", "Planner", "Played", "Step", "play"]
 
 HORIZON = 5
 """Macro steps in a plan, DINO-WM's."""
 PLANS = 4
 """Plans in a trial: DINO-WM sets no bound."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Foreseen:
+    """What a world model imagines of a plan.
+
+    ``paths`` (M, T + 1, 4) of its M members, step by step; ``margin`` and ``score`` (H, F) of the required facts after
+    each macro step.
+    """
+
+    paths: NDArray[np.float64]
+    margin: NDArray[np.float64]
+    score: NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,6 +48,7 @@ class Made:
     evaluations: int
     predicted: Observation | None = None
     searched: Searched | None = None
+    foreseen: Foreseen | None = None
 
 
 class Planner:

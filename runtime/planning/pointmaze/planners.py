@@ -17,7 +17,7 @@ from onto_compiler.schema import local_name
 from runtime.planning.cem import Budget, Region, Sampling, search
 from runtime.planning.guided import improve
 from runtime.planning.mechanisms import Mechanism
-from runtime.planning.pointmaze.mpc import HORIZON, Made, Planner
+from runtime.planning.pointmaze.mpc import HORIZON, Foreseen, Made, Planner
 from runtime.planning.pointmaze.sensing import Sensor
 from runtime.planning.question import Question
 from runtime.planning.scorers import Weighted, Weights
@@ -83,14 +83,15 @@ class ByModel(Planner):
             found = search(question.cost, region, self._budget, self._sampling, random)
         if self._guidance is None:
             seen = question.observation(found.actions)
-            return Made(_array(found.actions), found.evaluations, seen)
+            return Made(_array(found.actions), found.evaluations, seen, None, _foreseen(question, found.actions))
         guidance = self._guidance
         better = improve(
             question, found, self._required, guidance.knowledge, guidance.mechanisms, guidance.allowance, random,
             guidance.instead,
         )  # fmt: skip
         spent = found.evaluations + better.evaluations
-        return Made(_array(better.found.actions), spent, better.observation, better)
+        chosen = better.found.actions
+        return Made(_array(chosen), spent, better.observation, better, _foreseen(question, chosen))
 
 
 class ByTruth(Planner):
@@ -144,5 +145,13 @@ class Randomly(Planner):
         return Made(_array(drawn.clamp(-1, 1)), 1)
 
 
-def _array(actions: torch.Tensor) -> NDArray[np.float64]:
-    return np.asarray(actions.detach().cpu().double().numpy())
+def _foreseen(question: Question, actions: torch.Tensor) -> Foreseen:
+    """What is imagined of ``actions`` (T, 2) on the way."""
+    with torch.no_grad():
+        imagined = question.imagine(actions[None])
+        facts = question.grounder.ground(imagined, question.goal, every=True)
+    return Foreseen(_array(imagined.path[:, 0]), _array(facts.margin[0]), _array(facts.score[0]))
+
+
+def _array(values: torch.Tensor) -> NDArray[np.float64]:
+    return np.asarray(values.detach().cpu().double().numpy())

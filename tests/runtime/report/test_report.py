@@ -117,7 +117,7 @@ def test_a_controller_is_not_said_to_have_written_a_state():
 
 def test_every_answer_stands_with_its_question_and_query(html, answers):
     text = Page(html).text
-    assert len(answers) == 11
+    assert len(answers) == 12
     for answer in answers:
         assert answer.question in text
         assert answer.query in text
@@ -128,7 +128,7 @@ def test_headings_do_not_skip_a_level_and_tables_have_captions_and_scopes(html):
     levels = [int(tag[1]) for tag, _ in page.tags if re.fullmatch("h[1-6]", tag)]
     assert levels[0] == 1
     assert all(later - earlier <= 1 for earlier, later in itertools.pairwise(levels))
-    assert len(page.all("caption")) == len(page.all("table")) == 12
+    assert len(page.all("caption")) == len(page.all("table")) == 13
     assert all("scope" in attributes for attributes in page.all("th"))
     assert all(attributes["role"] == "img" and attributes["aria-label"] for attributes in page.all("svg"))
     assert page.all("html")[0]["lang"] == "en"

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
-from grounding.observation import Evidence, stack
+import runtime
+from grounding.observation import Evidence, Observation, stack
+from onto_compiler.bddl import lift
+from onto_compiler.bddl.parse import parse
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import Span
 from onto_compiler.rdf import BASE, MAN
@@ -14,7 +18,7 @@ from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.tables import FIRST, REPEAT
 from runtime.diagnosis import diagnose, select
-from runtime.records import Application, Attempt, Episode, Proposal, Verification
+from runtime.records import Application, Attempt, Episode, ExecutedPlan, Prediction, Proposal, Verification
 from runtime.routing import route
 
 KNOWLEDGE = load_knowledge()
@@ -163,6 +167,48 @@ def played():
         turns.append(Attempt(index, seen, found, decision, application, verdict))
     final = observed((True, 0.01, "xy"), step=200)
     return episode("put_the_bowl_on_the_plate", (ON,), start, turns, final, outcome="accepted", state=4)
+
+
+def planned():
+    """Two executed plans: the first was predicted to reach the target and did not, the second was bettered first."""
+    text = (Path(runtime.__file__).parent / "pointmaze/tasks/u_maze.bddl").read_text()
+    required = lift(parse(text, "pointmaze/u_maze.bddl"), SCHEMA, "u_maze")[0]
+
+    def predicted(*margins, step):
+        margin = np.array(margins)
+        score = 1 / (1 + np.exp(-8 * margin))
+        return Observation("pred", step, np.ones(3, np.bool_), score > 0.5, margin, score, ("",) * 3)
+
+    def shown(*margins, step):
+        return observed(*((m > 0, m, "") for m in margins), step=step)
+
+    seen = (predicted(0.4, -0.3, 0.4, step=50), predicted(0.3, -0.1, 0.4, step=50), predicted(0.3, 0.1, 0.4, step=50))
+    turns = []
+    for index, before in enumerate(seen[:2]):
+        found = diagnose(required.facts, before, KNOWLEDGE.tables)
+        decision = route(select(found), KNOWLEDGE, *((REPEAT, turns[-1].selected.route) if turns else ()), level="plan")
+        name = local_name(decision.route)
+        application = Application(Proposal(name, name, index, np.empty(0), ()), "none", 0.0)
+        told = Prediction(seen[index + 1], adopted=True, evaluations=2976)
+        turns.append(Attempt(index, before, found, decision, application, plan=1, prediction=told))
+    ends = (
+        (predicted(0.3, -0.2, 0.3, step=25), shown(-0.1, -0.4, 0.2, step=25), 3000),
+        (seen[2], shown(0.2, -0.1, 0.4, step=50), 8952),
+    )
+    query = str(required.facts[0].native)
+    plans = tuple(
+        ExecutedPlan(
+            index, "search", cost, 25, before, diagnose(required.facts, before, KNOWLEDGE.tables), after,
+            Verification(query, bool(after.truth[0])),
+        )
+        for index, (before, after, cost) in enumerate(ends)
+    )  # fmt: skip
+    start = shown(-1.2, -0.8, 0.4, step=0)
+    return Episode(
+        task="u_maze", suite="pointmaze", state_index=3, seed=0, required=required, initial=start,
+        premise=shown(0.4, step=0), premise_holds=True, attempts=tuple(turns), final=plans[-1].simulated,
+        outcome="accepted", verification=plans[-1].verification, plans=plans,
+    )  # fmt: skip
 
 
 def all_samples():

@@ -46,6 +46,7 @@ def test_every_named_query_is_readable_at_80_columns(workplace, capsys, monkeypa
     monkeypatch.setenv("COLUMNS", "80")
     with TraceStore(workplace / "out" / "demo" / "store", samples.SCHEMA, "demo") as store:
         store.add(samples.played())
+        store.add(samples.planned())
         store.export_trig(workplace / "out" / "demo" / "trace.trig")
     out, _ = onto(capsys, "query", "--named", name)
     body = out.splitlines()[1:]

@@ -65,6 +65,9 @@ def test_every_record_stands_in_the_graph_that_its_iri_names(episode):
     top = _iri(episode)
     fixed = {top, *(f"{top}/{part}" for part in ("required", "initial", "final", "premise"))}
     turns = {f"{top}/{part}/{a.index}" for a in episode.attempts for part in ("attempt", "observed")}
+    turns |= {f"{top}/attempt/{a.index}/predicted" for a in episode.attempts if a.prediction}
+    turns |= {f"{top}/plan/{p.index}{part}" for p in episode.plans for part in ("", "/simulated")}
+    turns |= {f"{top}/plan/{p.index}/predicted" for p in episode.plans if p.predicted}
     graphs = {quad.graph_name.value for quad in episode_quads(episode, SCHEMA, RUN)}
     assert graphs == fixed | turns
     for quad in episode_quads(episode, SCHEMA, RUN):

@@ -7,10 +7,10 @@ from onto_compiler.rdf import CORE, RDF, TRACE
 from onto_compiler.shapes import compile_shapes, validate
 from onto_compiler.sources import load_store
 from runtime.trace.write import episode_quads
-from tests.runtime.trace.samples import all_samples, played
+from tests.runtime.trace.samples import all_samples, planned, played
 from tests.strategies import SCHEMA
 
-SAMPLES = (*all_samples(), played())
+SAMPLES = (*all_samples(), played(), planned())
 TYPE = NamedNode(RDF + "type")
 
 
@@ -21,12 +21,20 @@ def results(episode, damage=lambda quads: quads):
 
 
 def test_there_are_samples():
-    assert len(SAMPLES) >= 7
+    assert len(SAMPLES) >= 8
 
 
 @pytest.mark.parametrize("number", range(len(SAMPLES)))
 def test_every_sample_conforms(number):
     assert results(SAMPLES[number]) == ()
+
+
+@pytest.mark.parametrize("part", ["controlSteps", "evaluations", "mode", "proposer", "simulated", "verification"])
+def test_a_plan_without_one_of_its_parts_does_not(part):
+    def damage(quads):
+        return [q for q in quads if not (q.predicate.value == TRACE + part and "/plan/0" in q.subject.value)]
+
+    assert {result.code for result in results(planned(), damage)} == {"ABX004"}
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,9 @@ from onto_compiler.knowledge import load_knowledge
 from onto_compiler.rdf import NAV
 from onto_compiler.tables import ABSENT, EXPLICITLY_FALSE, FIRST, MARGIN_VIOLATED, REPEAT
 from runtime.cli import main
+from runtime.trace.file import write_trace
+from runtime.trace.store import open_trace
+from tests.runtime.trace.samples import SCHEMA, planned
 
 pytestmark = pytest.mark.sim
 ROOT = Path(__file__).resolve().parents[2]
@@ -73,3 +76,26 @@ def test_every_option_that_the_page_names_exists():
     named = set(re.findall(r"`(\w+)=", PAGE.partition("## Many states at once")[0]))
     assert named == {"observe", "size", "terminate", "maze"}
     assert named <= options
+
+
+def without_numbers(text):
+    """Text in which no digit counts: seconds are the machine's, and search may differ in its last digits."""
+    return re.sub(r"\d+([.,]\d+)*", "#", " ".join(text.split()))
+
+
+def test_the_planned_trials_are_those_that_the_page_shows(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    command, shown = re.search(r"(?s)```console\n\$ onto (plan .*?)\n(.*?)```", PAGE).groups()
+    assert main(command.split()) == 1
+    assert without_numbers(capsys.readouterr().out) == without_numbers(shown)
+
+
+def test_the_query_of_the_page_finds_what_promised_too_much(tmp_path):
+    (query,) = re.findall(r"(?s)```sparql\n(.*?)```", PAGE)
+    path = tmp_path / "trace.trig"
+    write_trace(path, [("run", [planned()])], SCHEMA)
+    rows = open_trace(path).query(query).records()
+    assert [(row["predicate"].rpartition("#")[2], row["plans"], row["worst"]) for row in rows] == [
+        ("at_target", 1, -0.1),
+        ("velocity_matches", 1, -0.1),
+    ]

@@ -110,14 +110,16 @@ def _attempt(attempt: Attempt, schema: Schema) -> dict[str, Any]:
 
 def _imagined(attempt: Attempt) -> dict[str, Any]:
     """What was predicted of a proposal that was only imagined."""
-    prediction, index = attempt.prediction, attempt.selected.diagnosis.index
+    prediction, diagnosis = attempt.prediction, attempt.selected.diagnosis
     if prediction is None:
         return {}
+    # ABoxes hold the goal's facts: of a precondition nothing is predicted.
+    margin = None if diagnosis.precondition else _number(float(prediction.observation.margin[diagnosis.index]))
     return {
         "plan": attempt.plan,
         "evaluations": prediction.evaluations,
         "adopted": prediction.adopted,
-        "predicted_margin": _number(float(prediction.observation.margin[index])),
+        "predicted_margin": margin,
     }
 
 

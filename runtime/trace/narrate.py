@@ -173,6 +173,8 @@ def _imagined(attempt: Attempt, schema: Schema) -> Iterator[str]:
     came = "takes the place of the best plan" if prediction.adopted else "is no better than the best plan"
     yield f"Proposal: a plan{by}, from {prediction.evaluations} candidates, {came}."
     fact, index = attempt.selected.diagnosis.fact, attempt.selected.diagnosis.index
+    if attempt.selected.diagnosis.precondition:
+        return  # ABoxes hold the goal's facts
     seen = prediction.observation
     margin, score = amount(float(seen.margin[index]), unit_of(fact, schema)), float(seen.score[index])
     word, sure = "holds" if seen.truth[index] else "does not hold", "" if isnan(score) else f", score {score:.2f}"

@@ -40,7 +40,7 @@ COMPARED = {
     "onto_vs_feature": ("onto", "feature"),
     "onto_vs_untyped": ("onto", "onto_untyped"),
     "search_vs_onto": ("search", "onto"),
-    "search_vs_undirected": ("search", "undirected"),
+    "search_vs_undirected": ("search", "undirected_search"),
     "search_vs_large": ("search", "large"),
 }
 """Which rows' final distances are tested against each other."""
@@ -145,8 +145,9 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
         shared = sorted(set(means[one]) & set(means[other]))
         if shared:
             gaps = np.array([means[one][number] - means[other][number] for number in shared])
-            found[f"{one}_minus_{other}"] = float(gaps.mean())
-            found[f"{one}_minus_{other}.low"], found[f"{one}_minus_{other}.high"] = bootstrap(gaps)
+            gap = name.replace("_vs_", "_minus_")
+            found[gap] = float(gaps.mean())
+            found[f"{gap}.low"], found[f"{gap}.high"] = bootstrap(gaps)
             p[f"{name}_p"] = sign_flip(gaps)
     return found | holm(p)
 

@@ -72,7 +72,7 @@ _LEARNED = {
     "onto": Row(ONTO),
     "onto_untyped": Row(UNTYPED),
     "search": Row(ONTO, after="guided"),
-    "undirected": Row(ONTO, after="undirected"),
+    "undirected_search": Row(ONTO, after="undirected"),
     "large": Row(ONTO, budget=_LARGE),
 }
 ROWS = {

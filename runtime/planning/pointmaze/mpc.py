@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import torch
@@ -51,7 +52,7 @@ class Made:
     foreseen: Foreseen | None = None
 
 
-class Planner:
+class Planner(Protocol):
     """Makes the plans of one episode."""
 
     def begin(self, state: NDArray[np.float64], goal: NDArray[np.float64]) -> None:
@@ -59,7 +60,7 @@ class Planner:
 
     def plan(self, left: int, random: torch.Generator) -> Made:
         """The next plan; ``left`` is how many plans of :data:`HORIZON` macro steps there is time for."""
-        raise NotImplementedError
+        ...
 
     def moved(self, states: NDArray[np.float64], actions: NDArray[np.float64]) -> None:
         """The plan was executed: ``actions`` (T, 2) led through ``states`` (T + 1, 4)."""

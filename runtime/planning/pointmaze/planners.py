@@ -138,6 +138,12 @@ class Randomly(Planner):
     def __init__(self, sampling: Sampling) -> None:
         self._sampling = sampling
 
+    def begin(self, state: NDArray[np.float64], goal: NDArray[np.float64]) -> None:
+        """It looks at nothing."""
+
+    def moved(self, states: NDArray[np.float64], actions: NDArray[np.float64]) -> None:
+        """It remembers nothing."""
+
     def plan(self, left: int, random: torch.Generator) -> Made:
         """One candidate."""
         del left

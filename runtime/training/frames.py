@@ -9,17 +9,31 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from grounding.world_model.encoder import Encoder, Features, Pictures
 from runtime.pointmaze.maze import MACRO_STEPS
 from runtime.pointmaze.trajectories import Source
 
-__all__ = ["Frames", "encoded", "segments"]
+__all__ = ["HORIZON", "Frames", "Piece", "encoded", "generator_of", "segments"]
+
+HORIZON = 5
+"""Macro steps of a piece that a network is trained on, as many as a plan has."""
 
 _CHUNK = 512
 
+Indices = NDArray[np.int64]
 Draw = Callable[[NDArray[np.float64]], Pictures]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """``states`` (B, H + 1, P) and ``features`` (B, H + 1, D) at macro steps, ``actions`` (B, H, macro, A) between."""
+
+    states: torch.Tensor
+    features: torch.Tensor
+    actions: torch.Tensor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,6 +48,36 @@ class Frames:
     def marks(self) -> NDArray[np.float32]:
         """States (N, K + 1, P) at the macro steps."""
         return self.states[:, ::MACRO_STEPS]
+
+    def piece(self, which: Indices, mark: Indices, horizon: int = HORIZON) -> Piece:
+        """``horizon`` macro steps of the trajectories ``which`` (B,), each from its macro step of ``mark`` (B,)."""
+        row, marks = which[:, None], mark[:, None] + np.arange(horizon + 1)
+        steps = mark[:, None] * MACRO_STEPS + np.arange(horizon * MACRO_STEPS)
+        return Piece(
+            torch.from_numpy(self.marks[row, marks]),
+            torch.from_numpy(np.asarray(self.features[row, marks])),
+            torch.from_numpy(self.actions[row, steps]).unflatten(1, (horizon, MACRO_STEPS)),
+        )
+
+    def past(self, which: Indices, mark: Indices, length: int, age: Indices) -> tuple[torch.Tensor, torch.Tensor]:
+        """Proprioception (B, K, P) and actions (B, K - 1, macro, A) of the ``length`` K macro steps up to ``mark``.
+
+        As :class:`~grounding.world_model.dynamics.History` has them: NaN for what an episode of ``age`` (B,) macro
+        steps, at least one, has no memory of.
+        """
+        marks = np.maximum(mark[:, None] + np.arange(1 - length, 1), 0)
+        missing = torch.from_numpy(np.arange(length)[None] < length - age[:, None])
+        proprio = torch.from_numpy(self.marks[which[:, None], marks])
+        proprio[missing] = torch.nan
+        steps = marks[:, :-1, None] * MACRO_STEPS + np.arange(MACRO_STEPS)
+        actions = torch.from_numpy(self.actions[which[:, None, None], steps])
+        actions[missing[:, :-1]] = torch.nan
+        return proprio, actions
+
+
+def generator_of(random: torch.Generator) -> np.random.Generator:
+    """A numpy generator that ``random`` decides."""
+    return np.random.default_rng(int(torch.randint(2**62, (), generator=random)))
 
 
 def encoded(
@@ -65,9 +109,7 @@ def encoded(
     return held
 
 
-def segments(
-    frames: Frames, random: np.random.Generator, count: int, horizon: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def segments(frames: Frames, random: np.random.Generator, count: int, horizon: int) -> tuple[Indices, Indices]:
     """``count`` random pieces of ``horizon`` macro steps: which trajectory, and the macro step each begins at."""
     trajectories, marks = frames.features.shape[:2]
     return random.integers(trajectories, size=count), random.integers(marks - horizon, size=count)

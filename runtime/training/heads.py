@@ -18,13 +18,11 @@ from torch.nn import functional
 from grounding.world_model.dynamics import Dynamics, spread
 from grounding.world_model.events import EventHead
 from grounding.world_model.facts import FactHead
-from runtime.training.frames import Frames, segments
-from runtime.training.motion import generator_of
+from runtime.training.frames import HORIZON, Frames, generator_of, segments
 
 __all__ = ["Ends", "Labels", "Sampler", "event_loss", "fact_loss"]
 
 _SEGMENTS = 64
-_HORIZON = 5
 _NEAR = 64
 """Of how many frames a near goal is the nearest."""
 _VELOCITIES = (0.1, 0.5, 2.0)
@@ -86,15 +84,11 @@ class Sampler:
         """
         dynamics, frames = self.dynamics, self.frames
         blind = random.random() < 1 / 3 if blind is None else blind
-        which, mark = segments(frames, random, count, _HORIZON)
-        begin, known = self._begin(which, mark, blind=blind)
-        steps = mark[:, None] * dynamics.macro + np.arange(_HORIZON * dynamics.macro)
-        actions = torch.from_numpy(frames.actions[which[:, None], steps]).unflatten(1, (_HORIZON, dynamics.macro))
-        looks = torch.from_numpy(frames.features[which, mark])
-        found = dynamics.imagine(looks, begin, actions)
-        marks = mark[:, None] + np.arange(1, _HORIZON + 1)
-        true = torch.from_numpy(frames.marks[which[:, None], marks]).flatten(0, 1)
-        true_looks = torch.from_numpy(frames.features[which[:, None], marks]).flatten(0, 1)
+        which, mark = segments(frames, random, count, HORIZON)
+        piece = frames.piece(which, mark)
+        begin, known = self._begin(which, mark, piece.states[:, 0], blind=blind)
+        found = dynamics.imagine(piece.features[:, 0], begin, piece.actions)
+        true, true_looks = piece.states[:, 1:].flatten(0, 1), piece.features[:, 1:].flatten(0, 1)
         proprio, features = found.proprio.flatten(1, 2), found.features.flatten(1, 2)
         doubt = spread(proprio, dynamics.motion.scale)
         goal, goal_looks = self._goals(true.numpy(), random)
@@ -119,25 +113,16 @@ class Sampler:
             again(margins.float()), again(remaining.float()), error, mismatch,
         )  # fmt: skip
 
-    def _begin(self, which: np.ndarray, mark: np.ndarray, *, blind: bool) -> tuple[torch.Tensor, torch.Tensor]:
+    def _begin(
+        self, which: NDArray[np.int64], mark: NDArray[np.int64], latest: torch.Tensor, *, blind: bool
+    ) -> tuple[torch.Tensor, torch.Tensor]:
         """The proprioception (B, P) that pieces begin with, and what of it is sensed (P,)."""
-        latest = torch.from_numpy(self.frames.marks[which, mark])
         if not blind:
             return latest, torch.ones_like(self.sensed)
-        proprio, actions = self._histories(which, mark)
+        length = self.dynamics.history
+        proprio, actions = self.frames.past(which, mark, length, np.minimum(mark + 1, length))
         guess = self.dynamics.estimated(proprio, actions, self.sensed.expand(len(which), -1))
         return torch.where(self.sensed, latest, guess), self.sensed
-
-    def _histories(self, which: np.ndarray, mark: np.ndarray) -> tuple[torch.Tensor, torch.Tensor]:
-        length, macro = self.dynamics.history, self.dynamics.macro
-        marks = mark[:, None] + np.arange(1 - length, 1)
-        there = marks >= 0
-        proprio = torch.from_numpy(self.frames.marks[which[:, None], np.maximum(marks, 0)])
-        proprio[torch.from_numpy(~there)] = torch.nan
-        steps = np.maximum(marks[:, :-1, None], 0) * macro + np.arange(macro)
-        actions = torch.from_numpy(self.frames.actions[which[:, None, None], steps])
-        actions[torch.from_numpy(~there[:, :-1])] = torch.nan
-        return proprio, actions
 
     def _goals(self, ends: NDArray[np.float32], random: np.random.Generator) -> tuple[NDArray[np.float32], np.ndarray]:
         """Goal states (B, P) and the features of their pictures (B, D)."""

@@ -30,7 +30,7 @@ from runtime.pointmaze.maze import MACRO_STEPS, MAX_SPEED, STATE_DIM, Maze, maze
 from runtime.pointmaze.picture import draw
 from runtime.pointmaze.trajectories import Split, Trajectories, collect
 from runtime.training.fit import Schedule, fit
-from runtime.training.frames import Frames, encoded
+from runtime.training.frames import HORIZON, Frames, encoded
 from runtime.training.heads import Ends, Labels, Sampler, event_loss, fact_loss
 from runtime.training.measures import auroc, calibration_error
 from runtime.training.motion import appearance_loss, estimate_loss, motion_loss
@@ -40,7 +40,6 @@ __all__ = ["STAGES", "Course", "train"]
 STAGES = ("projection", "dynamics", "events", "facts")
 _TEST = 200
 """Trajectories of the test split, which the figures on a card are measured on."""
-_HORIZON = 5
 
 Say = Callable[[str], None]
 
@@ -216,15 +215,11 @@ def _tested(course: Course, folder: Path, say: Say) -> Ends:
 
 def _imagining(network: Dynamics, frames: Frames) -> dict[str, float]:
     """The errors of five macro steps from every fifth mark of ``frames``, each member counted."""
-    marks = np.arange(0, frames.features.shape[1] - _HORIZON, _HORIZON)
-    which = np.repeat(np.arange(len(frames.states)), len(marks))
-    mark = np.tile(marks, len(frames.states))
-    steps = mark[:, None] * network.macro + np.arange(_HORIZON * network.macro)
-    actions = torch.from_numpy(frames.actions[which[:, None], steps]).unflatten(1, (_HORIZON, network.macro))
-    begin = torch.from_numpy(frames.marks[which, mark])
-    found = network.imagine(torch.from_numpy(np.asarray(frames.features[which, mark])), begin, actions)
-    true = torch.from_numpy(frames.marks[which, mark + _HORIZON])
-    looks = torch.from_numpy(np.asarray(frames.features[which, mark + _HORIZON]))
+    marks = np.arange(0, frames.features.shape[1] - HORIZON, HORIZON)
+    count = len(frames.states)
+    piece = frames.piece(np.repeat(np.arange(count), len(marks)), np.tile(marks, count))
+    found = network.imagine(piece.features[:, 0], piece.states[:, 0], piece.actions)
+    true, looks = piece.states[:, -1], piece.features[:, -1]
     gap = found.proprio[:, :, -1] - true
     place, speed = gap[..., :2].norm(dim=-1), gap[..., 2:].norm(dim=-1)
     look = ((found.features[:, :, -1] - looks) / network.feature_scale).square().mean()

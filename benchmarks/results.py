@@ -6,13 +6,13 @@ import gzip
 import json
 import os
 import platform
-import subprocess
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from benchmarks.protocol import Protocol, Row
+from onto_compiler import versions
 from onto_compiler.versions import version_of
 
 __all__ = ["RESULTS", "changed", "git", "machine", "made_by", "read_result", "write_result"]
@@ -99,9 +99,4 @@ def _cpu() -> str:
 
 def git(*arguments: str) -> str:
     """What git answers in the checkout that this file belongs to, or nothing outside one."""
-    command = ["git", "-C", str(Path(__file__).parent), *arguments]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - fixed arguments
-    except OSError:
-        return ""
-    return done.stdout.strip() if done.returncode == 0 else ""
+    return versions.git(Path(__file__).parent, *arguments)

@@ -22,7 +22,8 @@ from runtime.planning.pointmaze.rows import maze_rollout, planner
 from runtime.pointmaze.grounded import required_facts
 from runtime.pointmaze.maze import ACTION_DIM, MACRO_STEPS, STATE_DIM
 from runtime.pointmaze.trials import PUBLISHED, trial
-from runtime.training.pointmaze import STAGES, Course, train
+from runtime.training import STAGES
+from runtime.training.pointmaze import Course, train
 
 __all__ = ["from_nothing_minutes", "grounding_ms", "table_minutes"]
 

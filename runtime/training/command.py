@@ -9,16 +9,16 @@ from pathlib import Path
 
 from onto_compiler.command import CLEAN, Command, add_format, print_json
 from onto_compiler.problems import OntoError
+from onto_compiler.versions import git
+from runtime.training import STAGES
 
 __all__ = ["TRAIN"]
-
-_STAGES = ("projection", "dynamics", "events", "facts")
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("world", choices=["pointmaze"], help="what the model is of")
     parser.add_argument(
-        "stages", nargs="*", metavar="STAGE", help=f"some of {', '.join(_STAGES)}, in this order (default: all)"
+        "stages", nargs="*", metavar="STAGE", help=f"some of {', '.join(STAGES)}, in this order (default: all)"
     )
     parser.add_argument("--seed", type=int, default=0, help="decides data, beginnings and batches (default 0)")
     parser.add_argument("--out", type=Path, metavar="DIR", help="default: out/models/WORLD/SEED")
@@ -30,7 +30,7 @@ def _run(options: argparse.Namespace) -> int:
     """Train; goes on where an earlier run stopped."""
     import torch  # noqa: PLC0415 - it takes a second to import
 
-    from runtime.training.pointmaze import STAGES, Course, train  # noqa: PLC0415
+    from runtime.training.pointmaze import Course, train  # noqa: PLC0415
 
     unknown = [stage for stage in options.stages if stage not in STAGES]
     if unknown:
@@ -38,12 +38,19 @@ def _run(options: argparse.Namespace) -> int:
     if options.threads:
         torch.set_num_threads(options.threads)
     folder = options.out or Path("out/models") / options.world / str(options.seed)
-    course = Course(seed=options.seed)
+    course, commit = Course(seed=options.seed), git(Path(__file__).parent, "rev-parse", "HEAD")
     metrics = {}
     for stage in options.stages or STAGES:
         begun = time.perf_counter()
         command = f"onto train {options.world} {stage} --seed {options.seed}"
-        found = train(stage, course, folder, command, _commit(), lambda text: _say(options, text))
+        found = train(
+            stage,
+            course,
+            folder,
+            command,
+            git(Path(__file__).parent, "rev-parse", "HEAD"),
+            lambda text: _say(options, text),
+        )
         metrics[stage] = {**found, "seconds": round(time.perf_counter() - begun, 1)}
         if options.format == "text":
             told = "  ".join(f"{name} {value:.3g}" for name, value in metrics[stage].items())
@@ -58,18 +65,6 @@ def _run(options: argparse.Namespace) -> int:
 def _say(options: argparse.Namespace, text: str) -> None:
     if options.format == "text":
         sys.stderr.write(f"{text}\n")
-
-
-def _commit() -> str:
-    """The commit of the checkout that this runs in, or nothing."""
-    import subprocess  # noqa: PLC0415
-
-    here = str(Path(__file__).parent)
-    try:
-        done = subprocess.run(["git", "-C", here, "rev-parse", "HEAD"], capture_output=True, text=True, check=False)  # noqa: S603, S607 - fixed arguments
-    except OSError:
-        return ""
-    return done.stdout.strip() if done.returncode == 0 else ""
 
 
 TRAIN = Command(

@@ -35,9 +35,8 @@ from runtime.training.heads import Ends, Labels, Sampler, event_loss, fact_loss
 from runtime.training.measures import auroc, calibration_error
 from runtime.training.motion import appearance_loss, estimate_loss, motion_loss
 
-__all__ = ["STAGES", "Course", "train"]
+__all__ = ["Course", "train"]
 
-STAGES = ("projection", "dynamics", "events", "facts")
 _TEST = 200
 """Trajectories of the test split, which the figures on a card are measured on."""
 
@@ -46,7 +45,7 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """What decides a training, every number of it. The defaults are those of the shipped checkpoints."""
+    """What decides a training, every number of it."""
 
     maze: str = "u_maze"
     encoder: str = DEFAULT
@@ -67,7 +66,7 @@ class Course:
 
 
 def train(stage: str, course: Course, folder: Path, command: str, commit: str, say: Say) -> Mapping[str, float]:
-    """Train one of :data:`STAGES`, the ones before it lying in ``folder``; returns the metrics of its card.
+    """Train one of :data:`runtime.training.STAGES`, those before it lying in ``folder``; returns its card's metrics.
 
     An interrupted stage goes on where it stopped: what is unfinished lies in ``folder/unfinished``.
 

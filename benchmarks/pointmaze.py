@@ -8,7 +8,9 @@ apart: for each executed plan, what was predicted of its end and what the simula
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache, lru_cache
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +23,8 @@ from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.schema import local_name
 from runtime.planning.pointmaze.models import SEEDS, shipped
-from runtime.planning.pointmaze.mpc import Played, Step, play
+from runtime.planning.pointmaze.mpc import Planner, Played, Step, play
+from runtime.planning.pointmaze.playing import generator
 from runtime.planning.pointmaze.rows import MAZE, ROWS, maze_rollout, planner
 from runtime.pointmaze.grounded import MazeFacts, required_facts
 from runtime.pointmaze.maze import MACRO_STEPS, maze_named
@@ -66,24 +69,23 @@ def run(trial_: Trial) -> list[Row]:
         return [_timed(trial_["measured"])]
     torch.set_num_threads(1)
     name, seed, number = trial_["row"], trial_["model"], trial_["trial"]
-    random = torch.Generator().manual_seed(number * len(SEEDS) + seed)
-    played = play(trial(number), planner(name, shipped(seed)), maze_rollout(), random, MACRO_STEPS)
-    last = played.steps[-1].verdict
+    played = play(trial(number), _planner(name, shipped(seed)), maze_rollout(), generator(number, seed), MACRO_STEPS)
     return [
         {
             "mode": "controller",
             "sees": ROWS[name].sees,
             "block": next(block for block, numbers in BLOCKS.items() if number in numbers),
-            "success": played.success,
-            "plans": len(played.steps),
-            "distance": float(last.distance),
-            "position": float(last.position),
-            "velocity": float(last.velocity),
-            "evaluations": sum(step.made.evaluations for step in played.steps),
-            "planning_s": round(sum(step.seconds for step in played.steps), 3),
+            **played.figures,
+            "planning_s": played.seconds,
             "predicted": list(_predicted(played)),
         }
     ]
+
+
+@lru_cache(maxsize=1)
+def _planner(name: str, folder: Path) -> Planner:
+    """Trials come row by row, and a planner forgets the last one as the next begins."""
+    return planner(name, folder)
 
 
 def _timed(what: str) -> Row:
@@ -121,6 +123,7 @@ def _tried(step: Step) -> dict[str, Any]:
     }
 
 
+@cache
 def _facts() -> MazeFacts:
     knowledge = load_knowledge()
     return MazeFacts(maze_named(MAZE), required_facts(knowledge), knowledge)

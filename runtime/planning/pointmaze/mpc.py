@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import torch
@@ -87,6 +87,24 @@ class Played:
     def success(self) -> bool:
         """Whether the last plan ended at the target."""
         return bool(self.steps[-1].verdict.success)
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """How it ended and what it took, as plain values."""
+        last = self.steps[-1].verdict
+        return {
+            "success": self.success,
+            "plans": len(self.steps),
+            "distance": float(last.distance),
+            "position": float(last.position),
+            "velocity": float(last.velocity),
+            "evaluations": sum(step.made.evaluations for step in self.steps),
+        }
+
+    @property
+    def seconds(self) -> float:
+        """Spent on planning."""
+        return round(sum(step.seconds for step in self.steps), 3)
 
 
 def play(

@@ -6,7 +6,6 @@ import argparse
 import re
 import sys
 from collections.abc import Iterator, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from onto_compiler.command import CLEAN, FINDINGS, print_json
 from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.problems import OntoError, near
 from onto_compiler.schema import local_name
+from onto_compiler.versions import version_of
 from runtime.diagnosis import unmet
 from runtime.planning.pointmaze.figures import write_plans
 from runtime.planning.pointmaze.models import SEEDS, shipped
@@ -122,19 +122,10 @@ def _played(who: Planner, wanted: Sequence[int], seed: int) -> Iterator[Played]:
 
 def _record(played: Played, facts: MazeFacts) -> dict[str, Any]:
     """A trial as plain values; ``unmet`` are the facts that the last plan was predicted to lack."""
-    last, seen = played.steps[-1].verdict, played.steps[-1].made.predicted
+    seen = played.steps[-1].made.predicted
     names = [local_name(fact.predicate) for fact in facts.required.facts]
-    return {
-        "trial": played.trial.number,
-        "success": played.success,
-        "plans": len(played.steps),
-        "distance": float(last.distance),
-        "position": float(last.position),
-        "velocity": float(last.velocity),
-        "unmet": None if seen is None else [names[index] for index in unmet(facts.required, seen)],
-        "evaluations": sum(step.made.evaluations for step in played.steps),
-        "seconds": round(sum(step.seconds for step in played.steps), 3),
-    }
+    lacking = None if seen is None else [names[index] for index in unmet(facts.required, seen)]
+    return {"trial": played.trial.number, **played.figures, "unmet": lacking, "seconds": played.seconds}
 
 
 def _line(row: dict[str, Any]) -> str:
@@ -163,7 +154,7 @@ def _document(told: dict[str, list[dict[str, Any]]], seed: int) -> dict[str, Any
 def _episodes(
     name: str, played: Sequence[Played], facts: MazeFacts, knowledge: Knowledge, seed: int, folder: Path
 ) -> list[Any]:
-    about: dict[str, Any] = {each: version(each) for each in ("onto-evwm", "mujoco", "numpy", "torch")}
+    about: dict[str, Any] = {each: version_of(each) for each in ("onto-evwm", "mujoco", "numpy", "torch")}
     about |= {"row": name, "sees": ROWS[name].sees}
     if ROWS[name].learned:
         card = read_card(folder / FILES["dynamics"])

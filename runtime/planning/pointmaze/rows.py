@@ -1,7 +1,7 @@
 """The rows that PointMaze compares: which terms score a plan, what is sensed, and what follows an unmet prediction.
 
-Weights were chosen on trials 10,000 and up, each row's on its own, and are frozen for all that is published. Every row
-has the same sampler and, but for those that say so, the same budget.
+Weights are chosen on trials 10,000 and up, which no table has. Every row has the same sampler and, but for those that
+say so, the same budget.
 """
 
 from __future__ import annotations

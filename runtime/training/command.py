@@ -43,14 +43,7 @@ def _run(options: argparse.Namespace) -> int:
     for stage in options.stages or STAGES:
         begun = time.perf_counter()
         command = f"onto train {options.world} {stage} --seed {options.seed}"
-        found = train(
-            stage,
-            course,
-            folder,
-            command,
-            git(Path(__file__).parent, "rev-parse", "HEAD"),
-            lambda text: _say(options, text),
-        )
+        found = train(stage, course, folder, command, commit, lambda text: _say(options, text))
         metrics[stage] = {**found, "seconds": round(time.perf_counter() - begun, 1)}
         if options.format == "text":
             told = "  ".join(f"{name} {value:.3g}" for name, value in metrics[stage].items())

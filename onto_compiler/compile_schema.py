@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
@@ -20,6 +21,8 @@ from onto_compiler.schema import (
     PredicateSignature,
     Route,
     Schema,
+    Score,
+    ScoreTerm,
     local_name,
 )
 from onto_compiler.sources import load_store
@@ -69,6 +72,11 @@ SELECT ?this ?type ?category ?region ?class WHERE {
     VALUES ?type { core:Category core:RegionCategory core:Default }
     ?this a ?type ; core:category ?category ; core:instanceClass ?class . OPTIONAL { ?this core:region ?region }
 } ORDER BY ?this"""
+_SCORES = """
+SELECT ?this ?name ?term ?field ?weight ?predicate WHERE {
+    ?this a plan:Score ; plan:term ?term . ?term plan:field ?field ; plan:weight ?weight .
+    OPTIONAL { ?this skos:notation ?name } OPTIONAL { ?term plan:ofPredicate ?predicate }
+} ORDER BY ?this ?field ?predicate"""
 _LABELS = "SELECT ?this ?label WHERE { ?this rdfs:label ?label }"
 _NOTATIONS = "SELECT ?this ?notation WHERE { ?this skos:notation ?notation }"
 
@@ -103,6 +111,7 @@ def compile_schema(store: Store) -> Schema:
         labels={row["this"]: row["label"] for row in _rows(store, _LABELS)},
         preconditions=_preconditions(store),
         notations={row["this"]: row["notation"] for row in _rows(store, _NOTATIONS)},
+        scores=_scores(store),
     )
 
 
@@ -229,6 +238,27 @@ def _preconditions(store: Store) -> tuple[PreconditionRule, ...]:
         )
         for iri, each in rows.items()
     )
+
+
+def _scores(store: Store) -> dict[str, Score]:
+    found: dict[str, Score] = {}
+    for row in _rows(store, _SCORES):
+        name = row.get("name", local_name(row["this"]))
+        term = ScoreTerm(row["field"], _weight(row), row.get("predicate"))
+        known = found.get(name)
+        found[name] = Score(row["this"], name, (*(known.terms if known else ()), term))
+    return found
+
+
+def _weight(row: Row) -> float:
+    try:
+        weight = float(row["weight"])
+    except ValueError:
+        weight = math.nan
+    if not (math.isfinite(weight) and weight >= 0):
+        message = f"the weight {row['weight']} of {local_name(row['field'])} in {row['this']} is no number of 0 or more"
+        raise OntoError.of("SCH001", message, "write a decimal number; see `onto explain SCR002`")
+    return weight
 
 
 def _one(fields: Mapping[str, set[str]], key: str) -> str | None:

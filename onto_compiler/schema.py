@@ -16,6 +16,8 @@ __all__ = [
     "PredicateSignature",
     "Route",
     "Schema",
+    "Score",
+    "ScoreTerm",
     "local_name",
 ]
 
@@ -102,6 +104,24 @@ class Route:
 
 
 @dataclass(frozen=True, slots=True)
+class ScoreTerm:
+    """``weight`` (0 or more) of a field's IRI, for the facts of one predicate where the field is of facts."""
+
+    field: str
+    weight: float
+    predicate: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """What imagined plans are compared by: a weighed sum. ``name`` is its ``skos:notation``."""
+
+    iri: str
+    name: str
+    terms: tuple[ScoreTerm, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Schema:
     """Everything that the rest of the system needs to know of the ontology."""
 
@@ -117,6 +137,7 @@ class Schema:
     labels: Mapping[str, str] = field(default_factory=dict)
     preconditions: tuple[PreconditionRule, ...] = ()
     notations: Mapping[str, str] = field(default_factory=dict)  # term IRI -> its short name in records and JSON
+    scores: Mapping[str, Score] = field(default_factory=dict)  # by name
 
     def is_a(self, cls: str, ancestor: str) -> bool:
         """Whether class ``cls`` is ``ancestor`` or one of its subclasses."""

@@ -8,11 +8,12 @@ from itertools import groupby
 from pathlib import Path
 
 from onto_compiler.html import Html, code, element, joined, page, table
-from onto_compiler.rdf import BASE, CORE, OWL, RDF
+from onto_compiler.rdf import BASE, CORE, OWL, PREFIXES, RDF
 from onto_compiler.reference.decisions import routes_section, rules_section
 from onto_compiler.reference.lifting import bindings_section, categories_section, thresholds_section
 from onto_compiler.reference.model import Reference, read_reference
 from onto_compiler.reference.predicates import predicates_section
+from onto_compiler.reference.scores import scores_section
 from onto_compiler.reference.terms import class_tree, individuals_table, is_trace, properties_table
 from onto_compiler.schema import local_name
 
@@ -66,6 +67,7 @@ def _sections(reference: Reference) -> list[tuple[str, str, Html]]:
         ("bindings", "Bindings", bindings_section(reference)),
         ("thresholds", "Thresholds", thresholds_section(reference)),
         ("categories", "Categories of assets", categories_section(reference)),
+        ("scores", "Scores of plans", scores_section(reference)),
         ("trace", "Records and traces", _trace(reference, classes, properties)),
         ("questions", "Competency questions", _questions(reference)),
         ("ontologies", "Ontologies", _ontologies(reference)),
@@ -134,6 +136,7 @@ def _ontologies(reference: Reference) -> Html:
 
 def _vocabularies(reference: Reference, *, trace: bool) -> Html:
     elsewhere = {iri for name in _ELSEWHERE for iri in reference.instances(CORE + name)}
+    elsewhere |= set(reference.instances(PREFIXES["plan"] + "Score"))
     left = [
         iri
         for iri in reference.of_type(OWL + "NamedIndividual")

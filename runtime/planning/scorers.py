@@ -1,23 +1,35 @@
 """What a candidate costs: features, events, and the typed facts of the predicted ABox, each term by its weight.
 
 J = w_f C_feature - S_event and J_onto = w_f C_feature - S_onto of the paper (section 4) are two choices of the active
-terms. :class:`Weights` declares one.
+terms. The ontology declares them (``plan:Score``); :class:`Weights` is one of them as a scorer reads it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import torch
 
 from grounding.world_model.dynamics import Dynamics, Imagined, spread
 from grounding.world_model.events import EventHead
 from grounding.world_model.pred import Goal, PredGrounder
-from onto_compiler.schema import local_name
+from onto_compiler.problems import OntoError, near
+from onto_compiler.schema import Score, local_name
 
 __all__ = ["Scorer", "Weighted", "Weights"]
+
+_FIELDS = {
+    "feature_gap": "feature",
+    "proprioception_gap": "proprio",
+    "remaining_way": "remaining",
+    "uncertainty": "uncertainty",
+    "success": "success",
+    "feasibility": "feasibility",
+    "consistency": "consistency",
+}
+_OF_FACTS = {"fact_margin": "margins", "fact_score": "scores"}
 
 
 class Scorer(Protocol):
@@ -45,6 +57,23 @@ class Weights:
     consistency: float = 0.0
     margins: Mapping[str, float] = field(default_factory=dict)
     scores: Mapping[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, score: Score) -> Weights:
+        """The weights that ``score`` declares; raises ``PMZ009`` where it weighs a field that no scorer computes."""
+        found: dict[str, Any] = {name: {} for name in _OF_FACTS.values()}
+        for term in score.terms:
+            name = local_name(term.field)
+            if name in _FIELDS:
+                found[_FIELDS[name]] = term.weight
+            elif name in _OF_FACTS and term.predicate is not None:
+                found[_OF_FACTS[name]][local_name(term.predicate)] = term.weight
+            else:
+                known = [*_FIELDS, *_OF_FACTS]
+                message = f"the score `{score.name}` weighs `{name}`, which no scorer computes"
+                hint = near(name, known) or f"fields: {', '.join(known)}; those of facts name a predicate"
+                raise OntoError.of("PMZ009", message, hint)
+        return cls(**found)
 
     @property
     def events(self) -> bool:

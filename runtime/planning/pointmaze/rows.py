@@ -1,7 +1,7 @@
-"""The rows that PointMaze compares: which terms score a plan, what is sensed, and what follows an unmet prediction.
+"""The rows that PointMaze compares: which score a plan has, what is sensed, and what follows an unmet prediction.
 
-Weights are chosen on trials 10,000 and up, which no table has. Every row has the same sampler and, but for those that
-say so, the same budget.
+The scores are declared in ``ontology/scores/pointmaze.ttl``; their weights were chosen on trials 10,000 and up, which
+no table has. Every row has the same sampler and, but for those that say so, the same budget.
 """
 
 from __future__ import annotations
@@ -32,21 +32,12 @@ ALLOWANCE = 3 * BUDGET.evaluations
 """Evaluations that follow a plan whose predicted facts miss the goal."""
 _LARGE = Budget(iterations=BUDGET.iterations + ALLOWANCE // BUDGET.samples)
 
-FEATURE = Weights(feature=1.0, proprio=1.0)
-EVENT = Weights(feature=1.0, proprio=5.0, remaining=1.0, success=0.5, feasibility=0.2, consistency=0.2, uncertainty=0.5)
-ONTO = Weights(
-    feature=0.1, proprio=0.1, remaining=1.0, uncertainty=0.5, margins={"at_target": 0.3, "velocity_matches": 0.3}
-)
-UNTYPED = Weights(
-    feature=0.1, proprio=0.1, remaining=1.0, uncertainty=0.5, scores={"at_target": 0.3, "velocity_matches": 0.3}
-)
-
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """``weights`` of a plan's score; ``after`` an unmet prediction: nothing, what the rules say, or search anew."""
+    """``score`` of a plan, by name; ``after`` an unmet prediction: nothing, what the rules say, or search anew."""
 
-    weights: Weights | None
+    score: str | None
     sensed: tuple[bool, ...] = FULL
     budget: Budget = BUDGET
     after: str = ""  # "", "guided" or "undirected"
@@ -55,7 +46,7 @@ class Row:
     @property
     def learned(self) -> bool:
         """Whether a world model is asked."""
-        return self.weights is not None and not self.truth
+        return self.score is not None and not self.truth
 
     @property
     def sees(self) -> str:
@@ -66,24 +57,24 @@ class Row:
 
 
 _LEARNED = {
-    "feature_images": Row(Weights(feature=1.0)),
-    "feature": Row(FEATURE),
-    "event": Row(EVENT),
-    "onto": Row(ONTO),
-    "onto_untyped": Row(UNTYPED),
-    "search": Row(ONTO, after="guided"),
-    "undirected_search": Row(ONTO, after="undirected"),
-    "large": Row(ONTO, budget=_LARGE),
+    "feature_images": Row("feature_images"),
+    "feature": Row("feature"),
+    "event": Row("event"),
+    "onto": Row("onto"),
+    "onto_untyped": Row("onto_untyped"),
+    "search": Row("onto", after="guided"),
+    "undirected_search": Row("onto", after="undirected"),
+    "large": Row("onto", budget=_LARGE),
 }
 ROWS = {
     **_LEARNED,
     **{
-        f"{name}_blind": Row(row.weights, POSITION, row.budget, row.after)
+        f"{name}_blind": Row(row.score, POSITION, row.budget, row.after)
         for name, row in _LEARNED.items()
         if name != "feature_images"
     },
-    "ceiling": Row(ONTO, truth=True),
-    "ceiling_large": Row(ONTO, budget=_LARGE, truth=True),
+    "ceiling": Row("onto", truth=True),
+    "ceiling_large": Row("onto", budget=_LARGE, truth=True),
     "random": Row(None),
 }
 """By name; ``_blind`` rows do not sense velocity, and have a history of three macro steps."""
@@ -92,12 +83,13 @@ ROWS = {
 def planner(name: str, folder: Path) -> Planner:
     """The planner of a row, with the world model in ``folder`` where it needs one; raises as its parts do."""
     row, knowledge = ROWS[name], load_knowledge()
-    if row.weights is None:
+    if row.score is None:
         return Randomly(SAMPLING)
+    weights = Weights.of(knowledge.schema.scores[row.score])
     required = required_facts(knowledge)
     if row.truth:
         facts = MazeFacts(maze_named(MAZE), required, knowledge)
-        return ByTruth(maze_rollout(), facts, row.weights, row.budget, SAMPLING)
+        return ByTruth(maze_rollout(), facts, weights, row.budget, SAMPLING)
     model = _model(folder)
     sensor = Sensor(maze_named(MAZE), model.encoder, row.sensed, model.dynamics.history)
     mechanisms = load_routed(knowledge.schema, "onto_evwm.mechanisms", "mechanism", "RUN010")
@@ -106,7 +98,7 @@ def planner(name: str, folder: Path) -> Planner:
         "guided": lambda: Guidance(knowledge, mechanisms, ALLOWANCE),
         "undirected": lambda: Guidance(knowledge, allowance=ALLOWANCE, instead=again),
     }
-    return ByModel(model, sensor, required, row.weights, row.budget, SAMPLING, guidance[row.after]())
+    return ByModel(model, sensor, required, weights, row.budget, SAMPLING, guidance[row.after]())
 
 
 @lru_cache(maxsize=2)

@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 ROOT = Path(__file__).resolve().parents[3]
 BROKEN = sorted((HERE / "broken").glob("*.ttl"))
 GOOD = sorted((HERE / "good").glob("*.ttl"))
-CODE = re.compile(r"\b(?:TTL|VOC|DOC|SIG|RTE|RUL|BND|OWL|SHP|ABX)\d{3}\b")
+CODE = re.compile(r"\b(?:TTL|VOC|DOC|SIG|RTE|RUL|BND|OWL|SHP|ABX|SCR)\d{3}\b")
 
 
 def expected(path):
@@ -23,7 +23,7 @@ def expected(path):
 
 
 def test_the_corpus_is_complete():
-    assert len(BROKEN) == 128
+    assert len(BROKEN) == 137
     assert len(GOOD) == 3
 
 
@@ -70,7 +70,7 @@ def test_codes_have_a_page_and_an_example_each():
     shown = {code for path in BROKEN for code, _, _ in expected(path)}
     paged = {path.stem for path in FOLDER.glob("*.md") if CODE.fullmatch(path.stem)}
     assert reported == paged == shown
-    assert len(reported) == 104
+    assert len(reported) == 108
 
 
 def test_every_page_says_what_the_program_says():
@@ -95,4 +95,4 @@ def test_the_index_lists_every_page_of_these_codes():
     for row in index().splitlines():
         if CODE.search(row):
             assert row in rows
-    assert sum(bool(CODE.search(row)) for row in rows) == 104
+    assert sum(bool(CODE.search(row)) for row in rows) == 108

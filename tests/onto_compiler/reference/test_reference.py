@@ -167,3 +167,8 @@ def test_a_folder_that_cannot_be_made_is_a_problem(tmp_path, capsys):
     (tmp_path / "taken").write_text("")
     assert main(["docs", "--out", str(tmp_path / "taken")]) == MISUSE
     assert "SCH004" in capsys.readouterr().err
+
+
+def test_a_score_is_shown_with_what_it_weighs(page):
+    assert "− 0.3 fact_margin(velocity_matches)" in page.text
+    assert "+ 5 proprioception_gap" in page.text

@@ -12,9 +12,10 @@ from grounding.world_model.encoder import require_encoder
 from grounding.world_model.events import EventHead
 from grounding.world_model.facts import FactHead
 from grounding.world_model.projection import Projected, load_projected
+from grounding.world_model.scene import SCENE_EVENTS, SCENE_FACTS, SceneEventHead, SceneFactHead
 from onto_compiler.problems import OntoError
 
-__all__ = ["FILES", "WorldModel", "load_dynamics", "load_world_model"]
+__all__ = ["FILES", "SceneModel", "WorldModel", "load_dynamics", "load_scene_model", "load_world_model"]
 
 FILES = {name: f"{name}.safetensors" for name in ("projection", "dynamics", "events", "facts")}
 """What a folder holds."""
@@ -28,6 +29,16 @@ class WorldModel:
     dynamics: Dynamics
     events: EventHead
     facts: FactHead
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SceneModel:
+    """As :class:`WorldModel`, with heads whose goals are facts of one scene and not pictures."""
+
+    encoder: Projected
+    dynamics: Dynamics
+    events: SceneEventHead
+    facts: SceneFactHead
 
 
 def load_world_model(folder: Path, device: str = "cpu") -> WorldModel:
@@ -44,6 +55,16 @@ def load_world_model(folder: Path, device: str = "cpu") -> WorldModel:
     for file in (event_file, fact_file):
         _require(file, "dynamics", found.identity)
     return WorldModel(encoder, network, event_head, fact_head)
+
+
+def load_scene_model(folder: Path, device: str = "cpu") -> SceneModel:
+    """The world model of a scene in ``folder``, frozen; raises as :func:`load_world_model`."""
+    encoder, network, found = load_dynamics(folder, device)
+    event_head, event_file = restore(folder / FILES["events"], SCENE_EVENTS, SceneEventHead, device)
+    fact_head, fact_file = restore(folder / FILES["facts"], SCENE_FACTS, SceneFactHead, device)
+    for file in (event_file, fact_file):
+        _require(file, "dynamics", found.identity)
+    return SceneModel(encoder, network, event_head, fact_head)
 
 
 def load_dynamics(folder: Path, device: str = "cpu") -> tuple[Projected, Dynamics, Checkpoint]:

@@ -7,7 +7,7 @@ a satisfied prediction may keep a plan, and only the native predicate accepts wh
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -15,11 +15,12 @@ import torch
 from grounding.observation import Observation
 from grounding.world_model.dynamics import Imagined, spread
 from grounding.world_model.facts import FactHead
+from grounding.world_model.scene import SceneFactHead
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.required import Fact
 from onto_compiler.schema import local_name
 
-__all__ = ["Goal", "PredGrounder", "Predicted"]
+__all__ = ["Goal", "PredGrounder", "Predicted", "ScenePredGrounder"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,6 +77,28 @@ class PredGrounder:
             features, proprio = features[:, :, -1], proprio[:, :, -1]
         doubt = spread(proprio, self.head.scaling.scale)
         margin, logit = self.head(features, proprio, goal.features, goal.proprio, doubt, goal.sensed)
+        return Predicted(margin.mean(dim=0)[..., self._columns], logit.sigmoid().mean(dim=0)[..., self._columns])
+
+
+class ScenePredGrounder:
+    """Grounds ``facts`` of a scene by ``head``, which knows them by their atoms; what is asked negated is its atom."""
+
+    def __init__(self, head: SceneFactHead, facts: Sequence[Fact], file: str = "") -> None:
+        """Raises ``WM013``, a problem for each fact that the head was not trained for."""
+        self.head, self.facts = head, tuple(facts)
+        names = [str(replace(fact, polarity=True)) for fact in facts]
+        missing = [fact for fact, name in zip(facts, names, strict=True) if name not in head.facts]
+        if missing:
+            hint = f"it was trained for {len(head.facts)} facts of one scene; train it on tasks that require this one"
+            raise OntoError(*(_untrained(fact, file, hint) for fact in missing))
+        self._columns = [head.facts.index(name) for name in names]
+
+    def ground(self, imagined: Imagined, sensed: torch.Tensor, *, every: bool = False) -> Predicted:
+        """As :meth:`PredGrounder.ground`; ``sensed`` (P,) says what of the proprioception the robot senses."""
+        features, proprio = imagined.features, imagined.proprio
+        if not every:
+            features, proprio = features[:, :, -1], proprio[:, :, -1]
+        margin, logit = self.head(features, proprio, spread(proprio, self.head.scaling.scale), sensed)
         return Predicted(margin.mean(dim=0)[..., self._columns], logit.sigmoid().mean(dim=0)[..., self._columns])
 
 

@@ -59,19 +59,41 @@ def fit(features: Features, components: int, *, whitened: bool = False) -> Proje
         message = f"{components} components cannot be had from {rows} rows of {width} features"
         raise OntoError.of("WM010", message, "there are at most as many as features, and one fewer than rows")
     mean = features.mean(axis=0, dtype=np.float64)
-    # Sums of products in float64 need no second copy of the data: 80,000 rows of 1,280 are 400 MB as they are.
-    total = np.zeros((width, width))
-    for start in range(0, rows, 4096):
-        part = features[start : start + 4096].astype(np.float64) - mean
-        total += part.T @ part
-    variances, vectors = np.linalg.eigh(total / (rows - 1))
-    variances, vectors = np.maximum(variances[::-1], 0), vectors[:, ::-1]
+    variances, vectors = _axes(features, mean) if rows >= width else _axes_of_few(features, mean, components)
     kept, axes = variances[:components], vectors[:, :components]
     axes = axes * np.sign(axes[np.abs(axes).argmax(axis=0), np.arange(components)])
     if whitened:
         axes = axes / np.where(kept > _ROUGH * variances[0], np.sqrt(kept), 1.0)
     share = float(kept.sum() / max(variances.sum(), np.finfo(np.float64).tiny))
     return Projection(mean.astype(np.float32), np.ascontiguousarray(axes, dtype=np.float32), whitened, share)
+
+
+def _axes(features: Features, mean: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """All variances, falling, and the axes (D, D) that they are along."""
+    rows, width = features.shape
+    # Sums of products in float64 need no second copy of the data: 80,000 rows of 1,280 are 400 MB as they are.
+    total = np.zeros((width, width))
+    for start in range(0, rows, 4096):
+        part = features[start : start + 4096].astype(np.float64) - mean
+        total += part.T @ part
+    variances, vectors = np.linalg.eigh(total / (rows - 1))
+    return np.maximum(variances[::-1], 0), vectors[:, ::-1]
+
+
+def _axes_of_few(
+    features: Features, mean: NDArray[np.float64], components: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The same where there are fewer rows N than features: N variances, the first axes (D, K), by products of rows."""
+    centred = features - mean.astype(np.float32)
+    rows = len(centred)
+    total = np.zeros((rows, rows))
+    for start in range(0, features.shape[1], 4096):
+        part = centred[:, start : start + 4096].astype(np.float64)
+        total += part @ part.T
+    variances, weights = np.linalg.eigh(total / (rows - 1))
+    long = centred.T.astype(np.float64) @ weights[:, ::-1][:, :components]
+    # They are orthogonal but for rounding, which is all that those without variance are made of.
+    return np.maximum(variances[::-1], 0), np.linalg.qr(long)[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from onto_compiler.command import CLEAN, Command, add_format, print_json
@@ -14,15 +15,22 @@ from runtime.training import STAGES
 
 __all__ = ["TRAIN"]
 
+WORLDS = ("pointmaze", "libero")
+Say = Callable[[str], None]
+Stage = Callable[[str, str, str, Say], Mapping[str, float]]
+"""Stage, command, commit and what says how far it is, to the metrics of the stage's card."""
+
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("world", choices=["pointmaze"], help="what the model is of")
+    parser.add_argument("world", choices=WORLDS, help="what the model is of")
     parser.add_argument(
         "stages", nargs="*", metavar="STAGE", help=f"some of {', '.join(STAGES)}, in this order (default: all)"
     )
     parser.add_argument("--seed", type=int, default=0, help="decides data, beginnings and batches (default 0)")
     parser.add_argument("--out", type=Path, metavar="DIR", help="default: out/models/WORLD/SEED")
     parser.add_argument("--threads", type=int, default=0, metavar="N", help="of torch (default: all)")
+    parser.add_argument("--demos", type=Path, metavar="DIR", help="libero: demonstrations that are there already")
+    parser.add_argument("--count", type=int, default=50, metavar="N", help="libero: demonstrations a task (default 50)")
     add_format(parser)
 
 
@@ -30,20 +38,19 @@ def _run(options: argparse.Namespace) -> int:
     """Train; goes on where an earlier run stopped."""
     import torch  # noqa: PLC0415 - it takes a second to import
 
-    from runtime.training.pointmaze import Course, train  # noqa: PLC0415
-
     unknown = [stage for stage in options.stages if stage not in STAGES]
     if unknown:
         raise OntoError.of("WM015", f"`{unknown[0]}` is no stage of a training", f"stages: {', '.join(STAGES)}")
     if options.threads:
         torch.set_num_threads(options.threads)
     folder = options.out or Path("out/models") / options.world / str(options.seed)
-    course, commit = Course(seed=options.seed), git(Path(__file__).parent, "rev-parse", "HEAD")
+    commit = git(Path(__file__).parent, "rev-parse", "HEAD")
+    stage_of = _pointmaze(options, folder) if options.world == "pointmaze" else _libero(options, folder)
     metrics = {}
     for stage in options.stages or STAGES:
         begun = time.perf_counter()
         command = f"onto train {options.world} {stage} --seed {options.seed}"
-        found = train(stage, course, folder, command, commit, lambda text: _say(options, text))
+        found = stage_of(stage, command, commit, lambda text: _say(options, text))
         metrics[stage] = {**found, "seconds": round(time.perf_counter() - begun, 1)}
         if options.format == "text":
             told = "  ".join(f"{name} {value:.3g}" for name, value in metrics[stage].items())
@@ -53,6 +60,25 @@ def _run(options: argparse.Namespace) -> int:
     else:
         sys.stdout.write(f"wrote {folder}\n")
     return CLEAN
+
+
+def _pointmaze(options: argparse.Namespace, folder: Path) -> Stage:
+    from runtime.training.pointmaze import Course, train  # noqa: PLC0415 - as above
+
+    course = Course(seed=options.seed)
+    return lambda stage, command, commit, say: train(stage, course, folder, command, commit, say)
+
+
+def _libero(options: argparse.Namespace, folder: Path) -> Stage:
+    from onto_compiler.batch import available_jobs  # noqa: PLC0415 - as above
+    from runtime.training.libero.course import Course  # noqa: PLC0415
+    from runtime.training.libero.train import Place, train  # noqa: PLC0415
+
+    if options.count < 1:
+        raise OntoError.of("CLI002", f"--count must be at least 1, and is {options.count}")
+    course = Course(seed=options.seed, demos=options.count)
+    place = Place(folder, folder.parent / "data", options.demos, options.threads or available_jobs())
+    return lambda stage, command, commit, say: train(stage, course, place, command, commit, say)
 
 
 def _say(options: argparse.Namespace, text: str) -> None:

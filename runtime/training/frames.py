@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 import torch
@@ -14,7 +15,9 @@ from numpy.typing import NDArray
 
 from grounding.world_model.encoder import Encoder, Features, Pictures
 from runtime.pointmaze.maze import MACRO_STEPS
-from runtime.pointmaze.trajectories import Source
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 __all__ = ["HORIZON", "Frames", "Piece", "encoded", "generator_of", "segments"]
 
@@ -24,7 +27,7 @@ HORIZON = 5
 _CHUNK = 512
 
 Indices = NDArray[np.int64]
-Draw = Callable[[NDArray[np.float64]], Pictures]
+Row = TypeVar("Row", np.float64, np.int64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,10 +84,16 @@ def generator_of(random: torch.Generator) -> np.random.Generator:
 
 
 def encoded(
-    states: NDArray[np.float64], draw: Draw, encoder: Encoder, kept: Path, source: Source, say: Callable[[str], None]
+    states: NDArray[Row],
+    draw: Callable[[NDArray[Row]], Pictures],
+    encoder: Encoder,
+    kept: Path,
+    source: DataclassInstance,
+    say: Callable[[str], None],
 ) -> Features:
-    """Features (N, D) of the pictures of ``states`` (N, P), read from ``kept`` where they lie there already.
+    """Features (N, D) of the pictures that ``draw`` has of ``states`` (N, P), read from ``kept`` where they lie there.
 
+    ``source``, a dataclass whose values are JSON, says what the states are: features of others are made anew.
     ``kept`` is a memory map that is filled a piece at a time, with a note of how far it is beside it, so that an
     interrupted run goes on.
     """

@@ -57,6 +57,17 @@ def test_what_is_kept_is_what_numpy_calls_the_first_singular_directions():
     assert found.share == pytest.approx((lengths[:5] ** 2).sum() / (lengths**2).sum())
 
 
+def test_with_fewer_rows_than_features_it_is_the_same_by_products_of_rows():
+    features = cloud(60, 200, 12)
+    found = fit(features, 20)  # more than vary: the rest is rounding
+    centred = features.astype(np.float64) - features.mean(axis=0, dtype=np.float64)
+    _, lengths, directions = np.linalg.svd(centred, full_matrices=False)
+    assert np.allclose(np.abs(directions[:12] @ found.axes[:, :12]), np.eye(12), atol=1e-3)
+    assert np.allclose(found.axes.T @ found.axes, np.eye(20), atol=1e-5)
+    assert found.share == pytest.approx((lengths[:20] ** 2).sum() / (lengths**2).sum())
+    assert np.allclose(fit(np.vstack([features] * 4), 12).axes, found.axes[:, :12], atol=1e-3)
+
+
 @settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 1000), order=st.permutations(range(60)))
 def test_the_order_of_the_rows_does_not_matter(seed, order):

@@ -1,0 +1,211 @@
+"""The training of LIBERO-Goal's world model, stage by stage; each leaves one checkpoint, with its card, in a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from grounding.world_model import dynamics as dynamics_module
+from grounding.world_model.checkpoint import Card, save
+from grounding.world_model.dynamics import Dynamics
+from grounding.world_model.encoder import encoder
+from grounding.world_model.model import FILES, load_dynamics
+from grounding.world_model.projection import Projected, load_projected, save_projection
+from grounding.world_model.projection import fit as fit_projection
+from grounding.world_model.scene import SCENE_EVENTS, SCENE_FACTS, SceneEventHead, SceneFactHead
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.problems import OntoError
+from runtime.training.fit import Schedule, fit
+from runtime.training.libero.course import Course
+from runtime.training.libero.film import MACRO
+from runtime.training.libero.hand import PLACES, SIZE
+from runtime.training.libero.heads import Sampler, calibrate, event_loss, fact_loss, sensed_still
+from runtime.training.libero.library import Filmed, Shoot, filmed
+from runtime.training.libero.measure import event_metrics, fact_metrics, imagining_metrics
+from runtime.training.libero.scene import SceneFacts, scene_facts
+from runtime.training.libero.windows import Windows, pictures_of, windows
+from runtime.training.motion import appearance_loss, estimate_loss, motion_loss
+
+__all__ = ["Place", "load_windows", "train"]
+
+_FITTED = 4000
+"""Pictures, at most, that the projection is fitted to."""
+_ACTIONS = 7
+_SEES = "pixels, proprioception"
+_LABELS = f"{_SEES}; labels of privileged-state"
+
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a training lies: checkpoints in ``folder``, films and demonstrations in ``data``, which seeds share.
+
+    ``demos`` is as of :class:`~runtime.training.libero.library.Shoot`; ``jobs`` processes film.
+    """
+
+    folder: Path
+    data: Path
+    demos: Path | None = None
+    jobs: int = 1
+
+    @cached_property
+    def unfinished(self) -> Path:
+        """What an interrupted stage goes on from."""
+        return self.folder / "unfinished"
+
+
+def train(stage: str, course: Course, place: Place, command: str, commit: str, say: Say) -> Mapping[str, float]:
+    """Train one of :data:`runtime.training.STAGES`, those before it lying in ``place``; returns its card's metrics.
+
+    Raises:
+        OntoError: as :func:`runtime.training.pointmaze.train` and :func:`runtime.training.libero.library.filmed`.
+    """
+    torch.manual_seed(course.seed)
+    card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
+    makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
+    return makers[stage](course, place, card, say)
+
+
+def load_windows(course: Course, place: Place, split: str, seen: Projected, say: Say) -> Windows:
+    """The windows of one split; films and features that are missing are made.
+
+    Raises:
+        OntoError: as :func:`train`; ``WM016`` where the split has no demonstration.
+    """
+    films = _of_split(course, place, split, say)
+    kept = place.unfinished / f"features.{split}.npy"
+    return windows(films, _asked(), seen, kept, say)
+
+
+def _projection(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    films = _of_split(course, place, "train", say)
+    rows, draw = pictures_of(films)
+    some = rows[:: -(-len(rows) // _FITTED)]
+    base = encoder(course.encoder)
+    raw = np.concatenate([base.encode(draw(some[start : start + 256])) for start in range(0, len(some), 256)])
+    projection = fit_projection(raw, course.components)
+    metrics = {"variance_kept": projection.share, "pictures": float(len(some)), "films": float(len(films))}
+    save_projection(
+        place.folder / FILES["projection"],
+        Projected(base, projection),
+        replace(card, sees="pixels", metrics=metrics),
+    )
+    return metrics
+
+
+def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    seen = load_projected(place.folder / FILES["projection"])
+    frames = load_windows(course, place, "train", seen, say).frames
+    states = frames.states.reshape(-1, SIZE).astype(np.float64)
+    motion = {
+        "centre": states.mean(axis=0).round(4).tolist(),
+        "scale": np.maximum(states.std(axis=0), 1e-3).round(4).tolist(),
+        "bound": [1e6] * SIZE,
+        "actions": _ACTIONS,
+        "places": PLACES,
+        "members": course.members,
+    }
+    parameters: dict[str, Any] = {
+        "motion": motion,
+        "features": course.components,
+        "feature_scale": float(frames.features.std()),
+        "macro": MACRO,
+    }
+    network = Dynamics(**parameters)
+    losses = (
+        ("motion", network.motion, motion_loss(network, frames), Schedule(course.motion)),
+        ("appearance", network.appearance, appearance_loss(network, frames), Schedule(course.appearance, 1e-3, 1e-2)),
+        (
+            "estimate",
+            network.estimate,
+            estimate_loss(network, frames, sensed_still(SIZE)),
+            Schedule(course.estimate),
+        ),
+    )
+    for name, part, loss, schedule in losses:
+        fit(part, loss, schedule, course.seed, place.unfinished / name, _told(say, name))
+        part.requires_grad_(requires_grad=False)
+    network.eval().requires_grad_(requires_grad=False)
+    metrics = imagining_metrics(network, load_windows(course, place, "held", seen, say))
+    about = replace(
+        card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, encoder=seen.identity, sees=_SEES,
+        metrics=metrics,
+    )  # fmt: skip
+    save(place.folder / FILES["dynamics"], network.state_dict(), about)
+    return metrics
+
+
+def _events(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    sampler, parameters, card, seen = _for_heads(course, place, card, say)
+    asked = _asked()
+    parameters = {"facts": len(asked.names), **parameters}
+    head = SceneEventHead(**parameters)
+    kept = place.unfinished / "events"
+    loss = event_loss(head, sampler, asked.goals)
+    fit(head, loss, Schedule(course.events, 1e-3, 1e-2), course.seed, kept, _told(say, "events"))
+    head.eval().requires_grad_(requires_grad=False)
+    metrics: dict[str, float] = event_metrics(
+        sampler.dynamics, head, asked, load_windows(course, place, "held", seen, say)
+    )
+    save(
+        place.folder / FILES["events"],
+        head.state_dict(),
+        replace(card, architecture=SCENE_EVENTS, parameters=parameters, facts=asked.names, metrics=metrics),
+    )
+    return metrics
+
+
+def _facts(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    sampler, parameters, card, seen = _for_heads(course, place, card, say)
+    names = list(_asked().names)
+    units = np.maximum(sampler.data.margin.reshape(-1, len(names)).std(axis=0), 1e-3).round(4).tolist()
+    parameters = {"facts": names, "units": units, **parameters}
+    head = SceneFactHead(**parameters)
+    kept = place.unfinished / "facts"
+    fit(head, fact_loss(head, sampler), Schedule(course.facts, 1e-3, 1e-2), course.seed, kept, _told(say, "facts"))
+    head.eval().requires_grad_(requires_grad=False)
+    held = load_windows(course, place, "held", seen, say)
+    calibrate(head, Sampler(sampler.dynamics, held).ends(np.arange(len(held))))
+    metrics = fact_metrics(sampler.dynamics, head, _asked().facts, held)
+    about = replace(card, architecture=SCENE_FACTS, parameters=parameters, facts=tuple(names), metrics=metrics)
+    save(place.folder / FILES["facts"], head.state_dict(), about)
+    return metrics
+
+
+def _for_heads(course: Course, place: Place, card: Card, say: Say) -> tuple[Sampler, dict[str, Any], Card, Projected]:
+    """What draws a head's batches, what builds a head, a card that names what it was trained on, and the encoder."""
+    seen, network, found = load_dynamics(place.folder)
+    data = load_windows(course, place, "train", seen, say)
+    motion = found.card.parameters["motion"]
+    parameters = {
+        "centre": motion["centre"],
+        "scale": motion["scale"],
+        "features": network.appearance[-1].out_features,
+        "feature_scale": network.feature_scale,
+    }
+    about = replace(card, data={**card.data, "dynamics": found.identity}, encoder=seen.identity, sees=_LABELS)
+    return Sampler(network, data), parameters, about, seen
+
+
+def _asked() -> SceneFacts:
+    return scene_facts(load_knowledge())
+
+
+def _of_split(course: Course, place: Place, split: str, say: Say) -> tuple[Filmed, ...]:
+    shoot = Shoot(place.data, course.demos, course.demo_seed, course.indices, place.demos)
+    films = tuple(film for film in filmed(shoot, place.jobs, say) if film.split == split)
+    if not films:
+        message = f"no demonstration starts from an initial state of the {split} split"
+        raise OntoError.of("WM016", message, "take at least 4 demonstrations a task", str(place.data))
+    return films
+
+
+def _told(say: Say, what: str) -> Callable[[int, float], None]:
+    return lambda step, loss: say(f"{what}: step {step:,}, loss {loss:.4f}") if step % 500 == 0 else None

@@ -15,6 +15,7 @@ from grounding.world_model.model import WorldModel, load_world_model
 from onto_compiler.knowledge import load_knowledge
 from runtime.planning.cem import Budget, Sampling
 from runtime.planning.mechanisms import again
+from runtime.planning.packed import pack
 from runtime.planning.pointmaze.mpc import Planner
 from runtime.planning.pointmaze.planners import ByModel, ByTruth, Guidance, Randomly
 from runtime.planning.pointmaze.sensing import FULL, POSITION, Sensor
@@ -103,7 +104,10 @@ def planner(name: str, folder: Path) -> Planner:
 
 @lru_cache(maxsize=2)
 def _model(folder: Path) -> WorldModel:
-    return load_world_model(folder)
+    model = load_world_model(folder)
+    for network in (model.dynamics, model.events, model.facts):
+        pack(network)
+    return model
 
 
 @lru_cache(maxsize=1)

@@ -16,11 +16,12 @@ from benchmarks.audit_tables import audit_table, suites_table, versions_table
 from benchmarks.markdown import origin
 from benchmarks.results import RESULTS, read_result
 from benchmarks.skills_tables import skills_table
+from benchmarks.world_model_tables import world_model_libero_table
 
 __all__ = ["TABLES", "fill", "main"]
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = ("README.md", "docs/audit.md", "docs/demos.md", "docs/results.md", "docs/skills.md")
+PAGES = ("README.md", "docs/audit.md", "docs/demos.md", "docs/results.md", "docs/skills.md", "docs/world_models.md")
 _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w.-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
@@ -40,6 +41,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "skills": skills_table,
     "state_repair": runtime_tables.state_repair_table,
     "validator": compiler_tables.validator_table,
+    "world_model_libero": world_model_libero_table,
 }
 """What makes each table and its notes of a result; the line that says where the result comes from is put below."""
 

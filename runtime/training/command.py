@@ -30,7 +30,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, metavar="DIR", help="default: out/models/WORLD/SEED")
     parser.add_argument("--threads", type=int, default=0, metavar="N", help="of torch (default: all)")
     parser.add_argument("--demos", type=Path, metavar="DIR", help="libero: demonstrations that are there already")
-    parser.add_argument("--count", type=int, default=50, metavar="N", help="libero: demonstrations a task (default 50)")
+    parser.add_argument("--count", type=int, default=40, metavar="N", help="libero: demonstrations a task (default 40)")
     add_format(parser)
 
 

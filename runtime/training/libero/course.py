@@ -14,7 +14,7 @@ class Course:
 
     encoder: str = "lite0:block7:128"
     seed: int = 0
-    demos: int = 50
+    demos: int = 40
     demo_seed: int = 0
     indices: tuple[int, ...] = ()
     components: int = 256

@@ -54,12 +54,16 @@ class Film:
 
 
 class Filmer:
-    """Films episodes of one task, in a scene of its own, on the exact loop."""
+    """Films episodes of one task, in a scene of its own.
 
-    def __init__(self, ref: TaskRef, asked: SceneFacts, knowledge: Knowledge) -> None:
+    ``exact`` plays a demonstration as it went, bit for bit. The compiled loop is faster and may part from it where
+    things touch; what is filmed is then what happened there.
+    """
+
+    def __init__(self, ref: TaskRef, asked: SceneFacts, knowledge: Knowledge, *, exact: bool) -> None:
         """Load the scene; raises ``SIM031`` where this machine cannot draw, and as ``onto ground``."""
         self._scene = compile_scene(ref.bddl, pictures=True)
-        self._simulation = Simulation(self._scene, exact=True)
+        self._simulation = Simulation(self._scene, exact=exact)
         self._grounder = SimGrounder(self._scene.index, asked.facts, knowledge.schema)
         self._observer = Observer(self._scene, (), OBSERVED)
         self._views = Views(self._scene.model, (CAMERA,), (PIXELS, PIXELS), "opencv", fast=True)

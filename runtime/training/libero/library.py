@@ -10,7 +10,7 @@ import hashlib
 import json
 import tempfile
 import zipfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import partial
 from pathlib import Path
@@ -33,12 +33,14 @@ from runtime.training.libero.altered import altered
 from runtime.training.libero.film import Film, Filmer
 from runtime.training.libero.scene import SUITE, scene_facts
 
-__all__ = ["SPLITS", "Filmed", "Shoot", "filmed", "read_film", "split_of"]
+__all__ = ["TEST_SEED", "Filmed", "Shoot", "filmed", "read_film", "split_of"]
 
 FORMAT = 1  # of what is kept
 REST = 15
 """Control steps at rest after a demonstration, in which what was done must last."""
-SPLITS = ("train", "held", "test")
+TEST_SEED = 1
+"""Of the trials whose demonstrations are for tests; those of a training have another."""
+_TESTED, _HELD = 10, 16
 _PACKAGES = ("mujoco", "robosuite")
 _CALM, _ALTERED = "demonstration", "altered"
 
@@ -66,21 +68,27 @@ class Filmed:
 
 @dataclass(frozen=True, slots=True)
 class Shoot:
-    """What is filmed: ``count`` demonstrations a task of trials of ``seed``, below ``folder``.
+    """What is filmed: of ``count`` demonstrations a task, of trials of ``seed``, those in ``splits``; below ``folder``.
 
-    ``demos`` is a folder of demonstrations that are there already, laid out as ``onto demos collect`` does.
+    ``exact`` is as of :class:`~runtime.training.libero.film.Filmer`; ``demos`` is a folder of demonstrations that are
+    there already, laid out as ``onto demos collect`` does.
     """
 
     folder: Path
     count: int = 50
     seed: int = 0
     indices: tuple[int, ...] = ()
+    splits: tuple[str, ...] = ("train", "held")
+    exact: bool = False
     demos: Path | None = None
 
 
 def split_of(state: int) -> str:
-    """Of the official initial states, every fourth is for tests and every fourth is held out of the training."""
-    return {3: "test", 1: "held"}.get(state % 4, "train")
+    """Of a task's official initial states the first ten are for tests, and the next six are held out of the training.
+
+    The rest is ``train``. What is held out decides the temperatures of scores, and the figures on the cards.
+    """
+    return "test" if state < _TESTED else "held" if state < _HELD else "train"
 
 
 def filmed(shoot: Shoot, jobs: int, say: Callable[[str], None]) -> tuple[Filmed, ...]:
@@ -114,19 +122,26 @@ def _films(shoot: Shoot, ref: TaskRef) -> tuple[Filmed, ...]:
     if not whole:
         message = f"no demonstration of `{ref.name}` says with which state it starts"
         raise OntoError.of("WM016", message, "collect some: `onto demos collect libero_goal`", str(where))
+    wanted = [demo for demo in whole if demo.origin and split_of(demo.origin.state_index) in shoot.splits]
     knowledge = load_knowledge()
     asked = scene_facts(knowledge)
-    about = [FORMAT, asked.names, dict(file.about).get("spec", {}), [version_of(name) for name in _PACKAGES]]
+    about = [
+        FORMAT,
+        shoot.exact,
+        asked.names,
+        dict(file.about).get("spec", {}),
+        [version_of(name) for name in _PACKAGES],
+    ]
     key = hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()[:12]
     folder = shoot.folder / f"films.{key}" / ref.name
     filmer: Filmer | None = None
     found = []
     try:
-        for demo in whole:
+        for demo in wanted:
             for kind in (_CALM, _ALTERED):
                 one = _named(folder, ref, demo, kind)
                 if not _whole(one.path):
-                    filmer = filmer or Filmer(ref, asked, knowledge)
+                    filmer = filmer or Filmer(ref, asked, knowledge, exact=shoot.exact)
                     if (film := _play(filmer, ref, demo, kind)) is None:
                         continue
                     _write(one.path, film)
@@ -200,8 +215,3 @@ def _write(path: Path, film: Film) -> None:
             partial_path.replace(path)
     except OSError as error:
         raise OntoError.of("WM006", f"the film cannot be written: {error.strerror}", "", str(path)) from error
-
-
-def of_split(films: Sequence[Filmed], split: str) -> tuple[Filmed, ...]:
-    """Those of ``films`` in ``split``."""
-    return tuple(film for film in films if film.split == split)

@@ -18,7 +18,7 @@ from runtime.training.libero.scene import SceneFacts
 from runtime.training.libero.windows import Windows
 from runtime.training.measures import auroc, calibration_error
 
-__all__ = ["ENOUGH", "Told", "event_metrics", "fact_metrics", "imagining_metrics", "tell"]
+__all__ = ["ENOUGH", "Told", "event_metrics", "fact_metrics", "imagining_metrics", "tell", "tell_events"]
 
 ENOUGH = 30
 """Positives that a fact must have for its ranking to be told."""
@@ -88,24 +88,46 @@ def fact_metrics(dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact],
 
 
 @torch.no_grad()  # type: ignore[untyped-decorator]
-def event_metrics(dynamics: Dynamics, head: SceneEventHead, asked: SceneFacts, data: Windows) -> dict[str, float]:
-    """How well the events of the window's own task are told of its imagined end, a mean over the members."""
-    which = np.arange(len(data))
-    piece = data.frames.piece(which, np.zeros_like(which))
-    imagined = dynamics.imagine(piece.features[:, 0], piece.states[:, 0], piece.actions)
-    features, proprio = imagined.features[:, :, -1], imagined.proprio[:, :, -1]
+def tell_events(
+    dynamics: Dynamics, head: SceneEventHead, asked: SceneFacts, data: Windows
+) -> dict[str, NDArray[np.float64]]:
+    """Of each window's imagined end, for its own task, means over the members; and, beside each event, what is true.
+
+    ``success`` and ``succeeds``, ``remaining`` and ``left`` (seconds; infinite where it is not known), ``feasibility``
+    and ``clear``, ``uncertainty`` and ``error``; all (W,).
+    """
     goal = np.zeros((len(data), len(asked.names)), dtype=np.bool_)
     for row, task in enumerate(data.task):
         goal[row, list(asked.goals[int(task)])] = True
-    doubt = spread(proprio, dynamics.motion.scale)
-    found = head(features, proprio, doubt, sensed_all(proprio.shape[-1]), torch.from_numpy(goal))
-    success = np.asarray((data.truth[:, -1] | ~goal).all(axis=1))
-    left = torch.from_numpy(data.remaining[:, -1])
-    there = torch.isfinite(left)
-    error = ((proprio - piece.states[:, -1]) / dynamics.motion.scale).square().mean(dim=-1).sqrt()
+    told: list[dict[str, torch.Tensor]] = []
+    for start in range(0, len(data), _AT_ONCE):
+        which = np.arange(start, min(start + _AT_ONCE, len(data)))
+        piece = data.frames.piece(which, np.zeros_like(which))
+        imagined = dynamics.imagine(piece.features[:, 0], piece.states[:, 0], piece.actions)
+        features, proprio = imagined.features[:, :, -1], imagined.proprio[:, :, -1]
+        doubt = spread(proprio, dynamics.motion.scale)
+        found = head(features, proprio, doubt, sensed_all(proprio.shape[-1]), torch.from_numpy(goal[which]))
+        gap = ((proprio - piece.states[:, -1]) / dynamics.motion.scale).square().mean(dim=-1).sqrt()
+        several = {
+            "success": found.success.sigmoid(), "remaining": found.remaining,
+            "feasibility": found.feasibility.sigmoid(), "uncertainty": found.uncertainty, "error": gap,
+        }  # fmt: skip
+        told.append({name: values.mean(dim=0) for name, values in several.items()})
+    every = {name: torch.cat([part[name] for part in told]).numpy().astype(np.float64) for name in told[0]}
+    return every | {
+        "succeeds": (data.truth[:, -1] | ~goal).all(axis=1).astype(np.float64),
+        "left": data.remaining[:, -1].astype(np.float64),
+        "clear": data.clear[:, -1].astype(np.float64),
+    }
+
+
+def event_metrics(dynamics: Dynamics, head: SceneEventHead, asked: SceneFacts, data: Windows) -> dict[str, float]:
+    """How well :func:`tell_events` tells."""
+    told = tell_events(dynamics, head, asked, data)
+    there = np.isfinite(told["left"])
     return {
-        "remaining_mae_s": float((found.remaining.mean(dim=0) - left)[there].abs().mean()),
-        "success_auroc": auroc(found.success.sigmoid().mean(dim=0).numpy(), success),
-        "feasibility_auroc": auroc(found.feasibility.sigmoid().mean(dim=0).numpy(), data.clear[:, -1]),
-        "uncertainty_mae": float((found.uncertainty - error).abs().mean()),
+        "remaining_mae_s": float(np.abs(told["remaining"] - told["left"])[there].mean()),
+        "success_auroc": auroc(told["success"], told["succeeds"] > 0),
+        "feasibility_auroc": auroc(told["feasibility"], told["clear"] > 0),
+        "uncertainty_mae": float(np.abs(told["uncertainty"] - told["error"]).mean()),
     }

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from onto_compiler.knowledge import Knowledge
-from onto_compiler.required import Fact
+from onto_compiler.required import Fact, RequiredABox
 from runtime.episodes import required_of
 from runtime.simulator.assets import TaskRef, tasks
 
@@ -22,12 +22,14 @@ SUITE = "libero_goal"
 class SceneFacts:
     """``facts``: the atoms, sorted by name; ``goals``: of each task by its index, the places of its goal's facts.
 
-    ``needed`` names, in the same way, all that a task's required ABox asks for: goal and preconditions.
+    ``needed`` names, in the same way, all that a task's required ABox asks for: goal and preconditions. ``positive``
+    are the places of what some task asks to hold; the others are asked not to hold.
     """
 
     facts: tuple[Fact, ...]
     goals: Mapping[int, tuple[int, ...]]
     needed: Mapping[int, tuple[int, ...]]
+    positive: tuple[int, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -52,7 +54,13 @@ def scene_facts(knowledge: Knowledge, refs: tuple[TaskRef, ...] | None = None) -
         tuple(every[name] for name in names),
         {index: tuple(place[str(fact)] for fact in found) for index, found in goals.items()},
         {index: tuple(place[str(fact)] for fact in (*goals[index], *before[index])) for index in goals},
+        tuple(sorted({place[str(fact)] for abox in required.values() for fact in _asked_to_hold(abox)})),
     )
+
+
+def _asked_to_hold(required: RequiredABox) -> list[Fact]:
+    every = [*required.facts, *(each.fact for each in required.preconditions)]
+    return [fact for fact in every if fact.polarity]
 
 
 def _atom(fact: Fact) -> Fact:

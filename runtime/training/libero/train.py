@@ -74,7 +74,7 @@ def train(stage: str, course: Course, place: Place, command: str, commit: str, s
 
 
 def load_windows(course: Course, place: Place, split: str, seen: Projected, say: Say) -> Windows:
-    """The windows of one split; films and features that are missing are made.
+    """The windows of ``train`` or ``held``; films and features that are missing are made.
 
     Raises:
         OntoError: as :func:`train`; ``WM016`` where the split has no demonstration.
@@ -199,11 +199,13 @@ def _asked() -> SceneFacts:
 
 
 def _of_split(course: Course, place: Place, split: str, say: Say) -> tuple[Filmed, ...]:
-    shoot = Shoot(place.data, course.demos, course.demo_seed, course.indices, place.demos)
+    shoot = Shoot(place.data, course.demos, course.demo_seed, course.indices, demos=place.demos)
     films = tuple(film for film in filmed(shoot, place.jobs, say) if film.split == split)
     if not films:
         message = f"no demonstration starts from an initial state of the {split} split"
-        raise OntoError.of("WM016", message, "take at least 4 demonstrations a task", str(place.data))
+        raise OntoError.of(
+            "WM016", message, "take 40 demonstrations a task, as many as there are initial states", str(place.data)
+        )
     return films
 
 

@@ -41,7 +41,7 @@ def films(tmp_path_factory: pytest.TempPathFactory) -> tuple[Filmed, ...]:
     found = []
     for trial in range(24):
         kind = "altered" if trial % 3 == 2 else "demonstration"
-        one = Filmed(0, trial, trial, kind, folder / "films.0" / "task" / f"0-{trial:04d}-{kind}.npz")
+        one = Filmed(0, trial, 4 + trial, kind, folder / "films.0" / "task" / f"0-{trial:04d}-{kind}.npz")
         _write(one.path, made(rng, 2))
         found.append(one)
     return tuple(found)

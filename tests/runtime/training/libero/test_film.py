@@ -23,7 +23,7 @@ def shot():
     sample = Path(__file__).resolve().parents[4] / "docs/examples/put_the_bowl_on_the_plate_demo.hdf5"
     demo = load(sample).demos[0]
     asked = scene_facts(knowledge)
-    filmer = Filmer(find_task("libero_goal", "put_the_bowl_on_the_plate"), asked, knowledge)
+    filmer = Filmer(find_task("libero_goal", "put_the_bowl_on_the_plate"), asked, knowledge, exact=True)
     yield demo, asked, filmer
     filmer.close()
 
@@ -57,6 +57,7 @@ def test_the_ten_tasks_ask_for_facts_of_one_scene(shot):
     assert len(asked.goals) == 10
     assert len({place for places in asked.goals.values() for place in places}) == 10
     assert len(asked.names) == 21
+    assert len(asked.positive) == 11
     assert all(set(asked.goals[index]) <= set(asked.needed[index]) for index in asked.goals)
     opened = asked.names.index("joint_state(wooden_cabinet_1_top_region, wooden_cabinet_open)")
     assert [index for index, needed in asked.needed.items() if opened in needed] == [3]

@@ -18,7 +18,7 @@ class Fake:
 
     asked = 0
 
-    def __init__(self, _ref, asked, _knowledge):
+    def __init__(self, _ref, asked, _knowledge, *, exact):
         self.facts = len(asked.names)
 
     def film(self, _start, actions, first=0):
@@ -44,7 +44,7 @@ def shoot(tmp_path, monkeypatch):
     file.write_bytes((Path(__file__).resolve().parents[4] / SAMPLE).read_bytes())
     monkeypatch.setattr(library, "Filmer", Fake)
     monkeypatch.setattr(Fake, "asked", 0)
-    return Shoot(tmp_path / "data", 2, indices=(8,), demos=tmp_path / "demos")
+    return Shoot(tmp_path / "data", 2, indices=(8,), splits=("train", "held", "test"), demos=tmp_path / "demos")
 
 
 def test_each_demonstration_is_filmed_once_and_an_episode_that_diverges_is_left_out(shoot):
@@ -58,6 +58,15 @@ def test_each_demonstration_is_filmed_once_and_an_episode_that_diverges_is_left_
     found[0].path.write_bytes(b"")
     assert len(filmed(shoot, 1, lambda _text: None)) == 2
     assert read_film(found[0].path).truth.shape[1] == 21
+
+
+def test_only_what_belongs_to_the_splits_is_filmed(shoot):
+    from dataclasses import replace
+
+    by_split = {split: filmed(replace(shoot, splits=(split,)), 1, lambda _text: None) for split in shoot.splits}
+    every = filmed(shoot, 1, lambda _text: None)
+    assert sum(map(len, by_split.values())) == len(every) == 2
+    assert all(one.split == split for split, films in by_split.items() for one in films)
 
 
 def test_a_file_without_whole_starts_is_told(shoot, monkeypatch):

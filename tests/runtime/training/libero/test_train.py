@@ -24,7 +24,7 @@ from tests.runtime.training.libero.test_windows import FACTS
 COURSE = Course(
     encoder="pixels:16:128", components=8, members=2, motion=150, appearance=100, estimate=5, facts=120, events=40
 )
-ASKED = SceneFacts(FACTS, {0: (0,)}, {0: (0,)})
+ASKED = SceneFacts(FACTS, {0: (0,)}, {0: (0,)}, (0,))
 
 
 def quiet(_text: str) -> None:
@@ -60,10 +60,10 @@ def test_each_stage_leaves_a_card_with_what_it_saw_and_its_figures(trained):
     assert all((place.folder / file).stat().st_size < 10_000_000 for file in FILES.values())
 
 
-def test_the_model_tells_where_the_thing_will_be_on_films_of_the_test_split(trained):
+def test_the_model_tells_where_the_thing_will_be_on_films_that_were_held_out(trained):
     place, _ = trained
     model = load_scene_model(place.folder)
-    data = load_windows(COURSE, place, "test", model.encoder, quiet)
+    data = load_windows(COURSE, place, "held", model.encoder, quiet)
     told, seen = tell(model.dynamics, model.facts, FACTS, data)
     truth = data.truth[:, -1, 0]
     assert 0 < truth.sum() < len(truth)
@@ -143,14 +143,14 @@ def test_heads_of_other_dynamics_are_refused(trained, tmp_path):
 def test_a_split_without_demonstrations_is_told(world, tmp_path, monkeypatch):
     monkeypatch.setattr(training, "filmed", lambda _shoot, _jobs, _say: world[:1])
     with pytest.raises(OntoError) as caught:
-        training._of_split(COURSE, Place(tmp_path, tmp_path), "test", quiet)
+        training._of_split(COURSE, Place(tmp_path, tmp_path), "train", quiet)
     assert caught.value.problems[0].code == "WM016"
 
 
 def test_a_task_with_another_fact_is_refused_before_anything_is_imagined(trained):
     place, _ = trained
     model = load_scene_model(place.folder)
-    data = load_windows(COURSE, place, "test", model.encoder, quiet)
+    data = load_windows(COURSE, place, "held", model.encoder, quiet)
     strange = replace(FACTS[0], predicate="x#opened")
     with pytest.raises(OntoError) as caught:
         tell(model.dynamics, model.facts, (FACTS[0], strange), data)

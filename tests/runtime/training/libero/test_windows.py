@@ -1,5 +1,7 @@
 """Films as windows."""
 
+from collections import Counter
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from runtime.training.libero.windows import windows
 
 THING = Entity("thing", "Thing")
 FACTS = tuple(Fact(f"x#{name}", (THING,), NativeAtom(name, ("thing",)), name) for name in ("placed", "lost"))
-ASKED = SceneFacts(FACTS, {0: (0,)}, {0: (0,)})
+ASKED = SceneFacts(FACTS, {0: (0,)}, {0: (0,)}, (0,))
 
 
 def cut(films, tmp_path):
@@ -64,8 +66,7 @@ def test_features_are_kept_and_those_of_other_films_are_not_taken(films, tmp_pat
 
 
 def test_splits_share_no_initial_state():
-    assert {split_of(state) for state in range(40)} == {"train", "held", "test"}
-    assert [split_of(state) for state in range(4)] == ["train", "held", "train", "test"]
+    assert Counter(split_of(state) for state in range(40)) == {"train": 24, "held": 6, "test": 10}
     assert Filmed(0, 43, 3, "altered", None).split == Filmed(0, 3, 3, "demonstration", None).split
 
 

@@ -1,12 +1,13 @@
 """Diagnosis-guided search: while the best plan's predicted facts miss the goal, the rules say what to try (plan level).
 
 Algorithm 1 of the paper on predictions: a plan whose facts all hold is retained, which is no success. Plans are
-compared success first: fewer unmet facts, then less cost.
+compared success first: fewer unmet facts, then less cost, both as :meth:`runtime.planning.question.Question.judged`
+has them. The controls differ in one thing: what is tried is drawn at random, whatever the diagnosis says.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import torch
@@ -19,7 +20,7 @@ from onto_compiler.tables import EXHAUSTED, FIRST, REPEAT
 from runtime.diagnosis import diagnose_goal, select, unmet
 from runtime.planning.cem import Found
 from runtime.planning.mechanisms import Mechanism
-from runtime.planning.question import Question
+from runtime.planning.question import COPIES, Question
 from runtime.records import Diagnosis, RouteDecision
 from runtime.routing import route_or_none
 
@@ -63,15 +64,15 @@ def improve(
     mechanisms: Mapping[str, Mechanism],
     allowance: int,
     random: torch.Generator,
-    instead: Mechanism | None = None,
+    instead: Mapping[str, Mechanism] | None = None,
 ) -> Searched:
     """Better ``first`` until its predicted facts hold, no route is left, or ``allowance`` evaluations are spent.
 
-    ``mechanisms`` by the local name of their route. With ``instead`` it is asked in the place of what the rules
-    choose: the control of the same budget and the same rule of acceptance.
+    ``mechanisms`` by the local name of their route. One of ``instead``, drawn at random, is asked in the place of what
+    the rules choose: a control of the same budget and the same rule of acceptance.
     """
-    best, seen = first, question.observation(first.actions)
-    spent, tried = 0, list[Tried]()
+    best, (seen, price) = first, question.judged(first)
+    spent, tried = COPIES, list[Tried]()
     status, previous = FIRST, None
     last: int | None = None
     while spent < allowance:
@@ -82,22 +83,44 @@ def improve(
         if diagnosis.index != last:
             status, previous, last = FIRST, None, diagnosis.index
         decision = None if instead else route_or_none(diagnosis, knowledge, status, previous, level=LEVEL)
-        if decision is None and instead is None:
+        if decision is None and not instead:
             break
-        name = local_name(decision.route) if decision else "again"
-        mechanism = instead or mechanisms.get(name)
-        answer = mechanism(question, best, diagnosis, random) if mechanism else None
+        choices = _shuffled(instead, random) if instead else [local_name(decision.route)] if decision else []
+        name, answer = _first(choices, instead or mechanisms, question, best, diagnosis, random)
         if answer is None:
             tried.append(Tried(seen, diagnosis, decision, name, 0, better=False, observation=None))
             if decision is None or status == EXHAUSTED:
                 break
             status, previous = EXHAUSTED, decision.route
             continue
-        spent += answer.evaluations
-        there = question.observation(answer.actions)
-        better = (len(unmet(required, there)), answer.cost) < (len(unmet(required, seen)), best.cost)
+        spent += answer.evaluations + COPIES
+        there, cost = question.judged(answer)
+        better = (len(unmet(required, there)), cost) < (len(unmet(required, seen)), price)
         tried.append(Tried(seen, diagnosis, decision, name, answer.evaluations, better=better, observation=there))
         if better:
-            best, seen = answer, there
+            best, seen, price = answer, there, cost
         status, previous = REPEAT, decision.route if decision else None
     return Searched(best, seen, not unmet(required, seen), spent, tuple(tried))
+
+
+def _shuffled(names: Iterable[str], random: torch.Generator) -> list[str]:
+    known = sorted(names)
+    return [known[int(place)] for place in torch.randperm(len(known), generator=random)]
+
+
+def _first(
+    names: Sequence[str],
+    mechanisms: Mapping[str, Mechanism],
+    question: Question,
+    best: Found,
+    diagnosis: Diagnosis,
+    random: torch.Generator,
+) -> tuple[str, Found | None]:
+    """The first of ``names`` that has an answer, and the answer; the last of them without one."""
+    name = ""
+    for name in names:
+        mechanism = mechanisms.get(name)
+        answer = mechanism(question, best, diagnosis, random) if mechanism else None
+        if answer is not None:
+            return name, answer
+    return name, None

@@ -11,10 +11,15 @@ from grounding.observation import Observation
 from grounding.world_model.dynamics import Dynamics, History, Imagined
 from grounding.world_model.pred import Goal, PredGrounder, Predicted
 from onto_compiler.problems import OntoError
-from runtime.planning.cem import Budget, Sampling
+from runtime.planning.cem import Budget, Found, Sampling
 from runtime.planning.scorers import Scorer
 
-__all__ = ["Question"]
+__all__ = ["COPIES", "Question"]
+
+COPIES = 16
+"""Evaluations that it takes to judge a plan."""
+_JITTER = 0.01
+"""Standard deviation of the actions of its copies."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,11 +68,22 @@ class Question:
         """Costs (N,) of candidates (N, T, A)."""
         return self.scorer(self.imagine(actions), self.goal)
 
-    def predicted(self, actions: torch.Tensor) -> Predicted:
-        """The facts at the ends of candidates (N, T, A)."""
-        return self.grounder.ground(self.imagine(actions), self.goal)
-
     def observation(self, actions: torch.Tensor) -> Observation:
         """The predicted ABox at the end of one candidate (T, A)."""
         with torch.no_grad():
-            return self.predicted(actions[None]).observation(0, step=len(actions))
+            return self.grounder.ground(self.imagine(actions[None]), self.goal).observation(0, step=len(actions))
+
+    def judged(self, found: Found) -> tuple[Observation, float]:
+        """What is predicted of a plan, and its cost, as means over it and over copies whose actions are a little off.
+
+        What holds to the last digit alone, as a bounce off a wall in the last step, does not hold.
+        """
+        actions = found.actions
+        with torch.no_grad():
+            random = torch.Generator().manual_seed(0)  # all plans are judged by the same copies
+            jitter = _JITTER * torch.randn((COPIES, *actions.shape), generator=random).to(actions)
+            jitter[0] = 0.0
+            imagined = self.imagine((actions + jitter).clamp(-1, 1))
+            facts = self.grounder.ground(imagined, self.goal)
+            mean = Predicted(facts.margin.mean(dim=0, keepdim=True), facts.score.mean(dim=0, keepdim=True))
+            return mean.observation(0, step=len(actions)), float(self.scorer(imagined, self.goal).mean())

@@ -78,10 +78,11 @@ class Step:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Played:
-    """A trial."""
+    """A trial; ``time`` is how many plans of :data:`HORIZON` its plans took, of which a longer one takes more."""
 
     trial: Trial
     steps: tuple[Step, ...]
+    time: int
 
     @property
     def success(self) -> bool:
@@ -95,6 +96,7 @@ class Played:
         return {
             "success": self.success,
             "plans": len(self.steps),
+            "time": self.time,
             "distance": float(last.distance),
             "position": float(last.position),
             "velocity": float(last.velocity),
@@ -120,8 +122,9 @@ def play(
         states = rollout.states(state, made.actions[None])[0]
         verdict = judge(states[-1], trial.goal)
         steps.append(Step(made, states, verdict, seconds))
+        left -= max(1, round(len(made.actions) / (macro * HORIZON)))
         if bool(verdict.success):
             break
         planner.moved(states, made.actions)
-        state, left = states[-1], left - max(1, round(len(made.actions) / (macro * HORIZON)))
-    return Played(trial, tuple(steps))
+        state = states[-1]
+    return Played(trial, tuple(steps), plans - left)

@@ -38,7 +38,7 @@ class Guidance:
     knowledge: Knowledge
     mechanisms: Mapping[str, Mechanism] = field(default_factory=dict)
     allowance: int = 9000
-    instead: Mechanism | None = None
+    instead: Mapping[str, Mechanism] | None = None
 
 
 class ByModel(Planner):

@@ -28,10 +28,11 @@ from runtime.planning.pointmaze.trace import SUITE, Recorder
 from runtime.pointmaze.grounded import MazeFacts, required_facts
 from runtime.pointmaze.maze import MACRO_STEPS, maze_named
 from runtime.pointmaze.trials import trial, trial_seed
+from runtime.records import Episode
 from runtime.trace.file import require_format, write_trace
 from runtime.words import counted
 
-__all__ = ["generator", "numbers", "run"]
+__all__ = ["episodes", "generator", "numbers", "run"]
 
 _RANGE = re.compile(r"(\d+)(?:-(\d+))?")
 _MOST = 10_000
@@ -63,8 +64,11 @@ def run(options: argparse.Namespace) -> int:
     if options.format == "json":
         print_json(_document(told, options.seed))
     if options.trace is not None:
-        runs = [(name, _episodes(name, some, facts, knowledge, options.seed, folder)) for name, some in played.items()]
-        write_trace(options.trace, [(f"{SUITE}-{name}", episodes) for name, episodes in runs], knowledge.schema)
+        runs = [
+            (f"{SUITE}-{name}", episodes(name, some, facts, knowledge, options.seed, folder))
+            for name, some in played.items()
+        ]
+        write_trace(options.trace, runs, knowledge.schema)
     if options.picture is not None:
         write_plans(options.picture, played, facts, knowledge.schema)
     return CLEAN if all(row["success"] for rows in told.values() for row in rows) else FINDINGS
@@ -86,6 +90,19 @@ def numbers(text: str) -> tuple[int, ...]:
 def generator(number: int, seed: int) -> torch.Generator:
     """The random numbers of a trial's plans, those that the published rows have."""
     return torch.Generator().manual_seed(number * len(SEEDS) + seed)
+
+
+def episodes(
+    name: str, played: Sequence[Played], facts: MazeFacts, knowledge: Knowledge, seed: int, folder: Path
+) -> list[Episode]:
+    """The records of trials that the row ``name`` played with the world model in ``folder``."""
+    about: dict[str, Any] = {each: version_of(each) for each in ("onto-evwm", "mujoco", "numpy", "torch")}
+    about |= {"row": name, "sees": ROWS[name].sees}
+    if ROWS[name].learned:
+        card = read_card(folder / FILES["dynamics"])
+        about |= {"model_command": card.command, "model_commit": card.commit, "model_seed": card.seed}
+    recorder = Recorder(facts, knowledge, name, seed, tuple(about.items()))
+    return [recorder.episode(each) for each in played]
 
 
 def summary(rows: Sequence[dict[str, Any]]) -> dict[str, float]:
@@ -149,15 +166,3 @@ def _document(told: dict[str, list[dict[str, Any]]], seed: int) -> dict[str, Any
         for name, some in told.items()
     ]
     return {"seed": seed, "rows": rows}
-
-
-def _episodes(
-    name: str, played: Sequence[Played], facts: MazeFacts, knowledge: Knowledge, seed: int, folder: Path
-) -> list[Any]:
-    about: dict[str, Any] = {each: version_of(each) for each in ("onto-evwm", "mujoco", "numpy", "torch")}
-    about |= {"row": name, "sees": ROWS[name].sees}
-    if ROWS[name].learned:
-        card = read_card(folder / FILES["dynamics"])
-        about |= {"model_command": card.command, "model_commit": card.commit, "model_seed": card.seed}
-    recorder = Recorder(facts, knowledge, name, seed, tuple(about.items()))
-    return [recorder.episode(each) for each in played]

@@ -36,12 +36,12 @@ _LARGE = Budget(iterations=BUDGET.iterations + ALLOWANCE // BUDGET.samples)
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """``score`` of a plan, by name; ``after`` an unmet prediction: nothing, what the rules say, or search anew."""
+    """``score`` of a plan, by name; ``after`` an unmet prediction: nothing, what rules say, any mechanism, or anew."""
 
     score: str | None
     sensed: tuple[bool, ...] = FULL
     budget: Budget = BUDGET
-    after: str = ""  # "", "guided" or "undirected"
+    after: str = ""  # "", "guided", "drawn" or "undirected"
     truth: bool = False
 
     @property
@@ -64,6 +64,7 @@ _LEARNED = {
     "onto": Row("onto"),
     "onto_untyped": Row("onto_untyped"),
     "search": Row("onto", after="guided"),
+    "random_search": Row("onto", after="drawn"),
     "undirected_search": Row("onto", after="undirected"),
     "large": Row("onto", budget=_LARGE),
 }
@@ -97,7 +98,8 @@ def planner(name: str, folder: Path) -> Planner:
     guidance: dict[str, Callable[[], Guidance | None]] = {
         "": lambda: None,
         "guided": lambda: Guidance(knowledge, mechanisms, ALLOWANCE),
-        "undirected": lambda: Guidance(knowledge, allowance=ALLOWANCE, instead=again),
+        "drawn": lambda: Guidance(knowledge, allowance=ALLOWANCE, instead=mechanisms),
+        "undirected": lambda: Guidance(knowledge, allowance=ALLOWANCE, instead={"again": again}),
     }
     return ByModel(model, sensor, required, weights, row.budget, SAMPLING, guidance[row.after]())
 

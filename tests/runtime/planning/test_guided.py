@@ -20,7 +20,7 @@ from runtime.diagnosis import diagnose
 from runtime.planning.cem import Budget, Found, Region, Sampling
 from runtime.planning.guided import improve
 from runtime.planning.mechanisms import again, longer_horizon, match_velocity, resample_around_margin, waypoint
-from runtime.planning.question import Question
+from runtime.planning.question import COPIES, Question
 from runtime.planning.scorers import Weighted, Weights
 from runtime.pointmaze.grounded import required_facts
 from runtime.routed import load_routed
@@ -38,11 +38,12 @@ class Stub:
     budget: Budget
     sampling: Sampling
 
-    def observation(self, actions: torch.Tensor) -> Observation:
-        margin = np.full(len(NAMES), float(actions[0, 0]))
-        return Observation(
-            "pred", len(actions), np.ones(3, bool), margin > 0, margin, (margin > 0) * 1.0, ("",) * len(NAMES)
+    def judged(self, found: Found) -> tuple[Observation, float]:
+        margin = np.full(len(NAMES), float(found.actions[0, 0]))
+        seen = Observation(
+            "pred", len(found.actions), np.ones(3, bool), margin > 0, margin, (margin > 0) * 1.0, ("",) * len(NAMES)
         )
+        return seen, found.cost
 
 
 def plan(value: float, cost: float = 1.0) -> Found:
@@ -60,7 +61,7 @@ def guided(first: Found, answers: dict[str, object], allowance: int = 1000, inst
 
 def test_a_plan_whose_facts_hold_is_retained_without_search():
     found = guided(plan(0.5), {})
-    assert (found.retained, found.evaluations, found.tried) == (True, 0, ())
+    assert (found.retained, found.evaluations, found.tried) == (True, COPIES, ())
 
 
 def test_the_rules_choose_the_mechanism():
@@ -83,7 +84,7 @@ def test_the_rules_choose_the_mechanism():
 
 def test_a_plan_with_fewer_unmet_facts_wins_over_a_cheaper_one():
     answers = iter([plan(-0.4, cost=0.1), plan(0.5, cost=9.0)])
-    found = guided(plan(-0.5, cost=1.0), {}, instead=lambda *_: next(answers))
+    found = guided(plan(-0.5, cost=1.0), {}, instead={"any": lambda *_: next(answers)})
     assert [tried.better for tried in found.tried] == [True, True]
     assert found.found.cost == 9.0
     assert found.retained
@@ -91,16 +92,54 @@ def test_a_plan_with_fewer_unmet_facts_wins_over_a_cheaper_one():
 
 def test_a_worse_plan_does_not_take_the_place_of_the_best():
     answers = iter([plan(-0.4, cost=2.0), plan(-0.4, cost=0.5)])
-    found = guided(plan(-0.5, cost=1.0), {}, allowance=200, instead=lambda *_: next(answers))
+    found = guided(plan(-0.5, cost=1.0), {}, allowance=200, instead={"any": lambda *_: next(answers)})
     assert [tried.better for tried in found.tried] == [False, True]
     assert not found.retained
-    assert found.evaluations == 200
+    assert found.evaluations == 200 + 3 * COPIES
+
+
+def test_a_control_draws_among_all_that_exist_and_passes_over_what_has_no_answer():
+    asked = []
+
+    def named(name: str, answer: Found | None):
+        def mechanism(*_):
+            asked.append(name)
+            return answer
+
+        return mechanism
+
+    mechanisms = {"one": named("one", plan(-0.5)), "none": named("none", None), "other": named("other", plan(-0.5))}
+    found = guided(plan(-0.5), {}, allowance=20 * (100 + COPIES), instead=mechanisms)
+    assert [tried.mechanism for tried in found.tried] == [name for name in asked if name != "none"]
+    assert set(asked) == set(mechanisms)
+    assert {tried.decision for tried in found.tried} == {None}
+    again = guided(plan(-0.5), {}, allowance=20 * (100 + COPIES), instead=mechanisms)
+    assert [t.mechanism for t in again.tried] == [t.mechanism for t in found.tried]
+
+
+def test_a_control_without_any_answer_ends():
+    found = guided(plan(-0.5), {}, instead={"none": lambda *_: None})
+    assert (found.retained, len(found.tried), found.evaluations) == (False, 1, COPIES)
+
+
+def test_a_plan_is_judged_with_its_copies():
+    asked = question()
+    found = worst(asked)
+    seen, cost = asked.judged(found)
+    alone = asked.observation(found.actions)
+    assert seen.source == "pred"
+    assert not np.array_equal(seen.margin, alone.margin)
+    assert np.allclose(seen.margin, alone.margin, atol=0.1)
+    assert cost == pytest.approx(found.cost, abs=0.1)
+    again, same = asked.judged(found)
+    assert np.array_equal(again.margin, seen.margin)
+    assert same == cost
 
 
 def test_search_ends_where_no_route_is_left():
     found = guided(plan(-0.5), {})
     assert not found.retained
-    assert found.evaluations == 0
+    assert found.evaluations == COPIES
     assert all(tried.evaluations == 0 for tried in found.tried)
 
 

@@ -30,7 +30,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, metavar="DIR", help="default: out/models/WORLD/SEED")
     parser.add_argument("--threads", type=int, default=0, metavar="N", help="of torch (default: all)")
     parser.add_argument("--demos", type=Path, metavar="DIR", help="libero: demonstrations that are there already")
-    parser.add_argument("--count", type=int, default=40, metavar="N", help="libero: demonstrations a task (default 40)")
+    parser.add_argument("--count", type=int, metavar="N", help="libero: demonstrations a task (default 40)")
     add_format(parser)
 
 
@@ -41,6 +41,10 @@ def _run(options: argparse.Namespace) -> int:
     unknown = [stage for stage in options.stages if stage not in STAGES]
     if unknown:
         raise OntoError.of("WM015", f"`{unknown[0]}` is no stage of a training", f"stages: {', '.join(STAGES)}")
+    if options.world != "libero" and (options.demos is not None or options.count is not None):
+        raise OntoError.of(
+            "CLI002", f"`{options.world}` has no demonstrations to choose", "leave --demos and --count out"
+        )
     if options.threads:
         torch.set_num_threads(options.threads)
     folder = options.out or Path("out/models") / options.world / str(options.seed)
@@ -49,7 +53,7 @@ def _run(options: argparse.Namespace) -> int:
     metrics = {}
     for stage in options.stages or STAGES:
         begun = time.perf_counter()
-        command = f"onto train {options.world} {stage} --seed {options.seed}"
+        command = f"onto train {options.world} {stage} --seed {options.seed}{_chosen(options)}"
         found = stage_of(stage, command, commit, lambda text: _say(options, text))
         metrics[stage] = {**found, "seconds": round(time.perf_counter() - begun, 1)}
         if options.format == "text":
@@ -74,11 +78,17 @@ def _libero(options: argparse.Namespace, folder: Path) -> Stage:
     from runtime.training.libero.course import Course  # noqa: PLC0415
     from runtime.training.libero.train import Place, train  # noqa: PLC0415
 
-    if options.count < 1:
+    if options.count is not None and options.count < 1:
         raise OntoError.of("CLI002", f"--count must be at least 1, and is {options.count}")
-    course = Course(seed=options.seed, demos=options.count)
+    course = Course(seed=options.seed) if options.count is None else Course(seed=options.seed, demos=options.count)
     place = Place(folder, folder.parent / "data", options.demos, options.threads or available_jobs())
     return lambda stage, command, commit, say: train(stage, course, place, command, commit, say)
+
+
+def _chosen(options: argparse.Namespace) -> str:
+    """What of the command decides the data, for the card, without a path of this machine."""
+    count = "" if options.count is None else f" --count {options.count}"
+    return f"{count} --demos DIR" if options.demos is not None else count
 
 
 def _say(options: argparse.Namespace, text: str) -> None:

@@ -140,6 +140,18 @@ def test_heads_of_other_dynamics_are_refused(trained, tmp_path):
     assert caught.value.problems[0].code == "WM014"
 
 
+def test_a_file_of_another_architecture_and_one_that_was_cut_off_are_told(trained, tmp_path):
+    place, _ = trained
+    for name in FILES:
+        (tmp_path / FILES[name]).write_bytes((place.folder / FILES[name]).read_bytes())
+    whole = (tmp_path / FILES["facts"]).read_bytes()
+    for content, code in (((tmp_path / FILES["events"]).read_bytes(), "WM003"), (whole[:-100], "WM002")):
+        (tmp_path / FILES["facts"]).write_bytes(content)
+        with pytest.raises(OntoError) as caught:
+            load_scene_model(tmp_path)
+        assert caught.value.problems[0].code == code
+
+
 def test_a_split_without_demonstrations_is_told(world, tmp_path, monkeypatch):
     monkeypatch.setattr(training, "filmed", lambda _shoot, _jobs, _say: world[:1])
     with pytest.raises(OntoError) as caught:

@@ -1,8 +1,9 @@
 """Diagnosis-guided search: while the best plan's predicted facts miss the goal, the rules say what to try (plan level).
 
 Algorithm 1 of the paper on predictions: a plan whose facts all hold is retained, which is no success. Plans are
-compared success first: fewer unmet facts, then less cost, both as :meth:`runtime.planning.question.Question.judged`
-has them. The controls differ in one thing: what is tried is drawn at random, whatever the diagnosis says.
+compared success first: fewer facts that are false, then less that margins lack of what is required, then less cost, as
+:meth:`runtime.planning.question.Question.judged` has them. The controls differ in one thing: what is tried is drawn at
+random, whatever the diagnosis says.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from grounding.observation import Observation
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import local_name
-from onto_compiler.tables import EXHAUSTED, FIRST, REPEAT
+from onto_compiler.tables import FIRST, REPEAT
 from runtime.diagnosis import diagnose_goal, select, unmet
 from runtime.planning.cem import Found
 from runtime.planning.mechanisms import Mechanism
@@ -27,6 +28,8 @@ from runtime.routing import route_or_none
 __all__ = ["Searched", "Tried", "improve"]
 
 LEVEL = "plan"
+_PATIENCE = 2
+"""Routes that may fail a fact before another unmet fact has its turn."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,34 +76,50 @@ def improve(
     """
     best, (seen, price) = first, question.judged(first)
     spent, tried = COPIES, list[Tried]()
-    status, previous = FIRST, None
-    last: int | None = None
+    refused = dict[int, list[str]]()  # of each fact, the routes that did not better the best plan
     while spent < allowance:
         found = diagnose_goal(required, seen, knowledge.tables)
         if not found:
             break
-        diagnosis = select(found)
-        if diagnosis.index != last:
-            status, previous, last = FIRST, None, diagnosis.index
+        left = [diagnosis for diagnosis in found if len(refused.get(diagnosis.index, ())) < _PATIENCE]
+        if not left:
+            if not any(each.evaluations for each in tried[-_PATIENCE * len(found) :]):
+                break
+            refused.clear()
+            continue
+        diagnosis = select(left)
+        earlier = refused.setdefault(diagnosis.index, [])
+        status, previous = (REPEAT, earlier[-1]) if earlier else (FIRST, None)
         decision = None if instead else route_or_none(diagnosis, knowledge, status, previous, level=LEVEL)
-        if decision is None and not instead:
-            break
         choices = _shuffled(instead, random) if instead else [local_name(decision.route)] if decision else []
         name, answer = _first(choices, instead or mechanisms, question, best, diagnosis, random)
         if answer is None:
             tried.append(Tried(seen, diagnosis, decision, name, 0, better=False, observation=None))
-            if decision is None or status == EXHAUSTED:
-                break
-            status, previous = EXHAUSTED, decision.route
+            earlier += [decision.route] if decision else [""] * _PATIENCE
             continue
         spent += answer.evaluations + COPIES
         there, cost = question.judged(answer)
-        better = (len(unmet(required, there)), cost) < (len(unmet(required, seen)), price)
+        better = _standing(required, there, cost) < _standing(required, seen, price)
         tried.append(Tried(seen, diagnosis, decision, name, answer.evaluations, better=better, observation=there))
         if better:
             best, seen, price = answer, there, cost
-        status, previous = REPEAT, decision.route if decision else None
+            refused.clear()
+        else:
+            earlier.append(decision.route if decision else "")
     return Searched(best, seen, not unmet(required, seen), spent, tuple(tried))
+
+
+def _standing(required: RequiredABox, seen: Observation, cost: float) -> tuple[int, float, float]:
+    """What plans are compared by, the less the better."""
+    lack = 0.0
+    for index, fact in enumerate(required.facts):
+        margin = float(seen.margin[index]) * (1 if fact.polarity else -1)
+        lack += max(fact.threshold - margin, 0.0)
+    return len(required.facts) - _true(required, seen), lack, cost
+
+
+def _true(required: RequiredABox, seen: Observation) -> int:
+    return sum(bool(truth) is fact.polarity for truth, fact in zip(seen.truth, required.facts, strict=True))
 
 
 def _shuffled(names: Iterable[str], random: torch.Generator) -> list[str]:

@@ -21,8 +21,8 @@ Mechanism = Callable[[Question, Found, Diagnosis, torch.Generator], Found | None
 
 _NARROW = 0.2
 """Standard deviation of the candidates around a plan that is nearly right."""
-_URGENT = 2.0
-"""What a unit of the violated margin's lack adds to a candidate's cost."""
+_URGENT = 1.0
+"""What a unit of a margin's lack adds to a candidate's cost; of the diagnosed one it adds twice as much."""
 _DESCENTS, _STEPS, _RATE = 16, 62, 0.05
 """Plans that are descended at once, and for how many steps; a gradient counts as three evaluations."""
 
@@ -30,7 +30,7 @@ _DESCENTS, _STEPS, _RATE = 16, 62, 0.05
 def resample_around_margin(
     question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator
 ) -> Found | None:
-    """Draw candidates narrowly around the best plan, scored with what the violated margin lacks on top."""
+    """Draw candidates narrowly around the best plan, scored with what margins lack on top."""
     region = Region(best.actions, torch.full_like(best.actions, _NARROW))
     urgent = _urging(question, diagnosis)
     with torch.no_grad():
@@ -111,14 +111,21 @@ def again(question: Question, best: Found, diagnosis: Diagnosis, random: torch.G
 
 
 def _urging(question: Question, diagnosis: Diagnosis) -> Callable[[torch.Tensor], torch.Tensor]:
-    """The question's cost, and on top what the diagnosed fact's margin lacks of the required one."""
-    fact = diagnosis.fact
-    sign = 1.0 if fact.polarity else -1.0
+    """The question's cost, and on top what margins lack of what is required, the diagnosed one's twice over.
+
+    Were the others left out, a plan would be bettered in one fact by giving up another.
+    """
+    facts = question.grounder.facts
+    sign = torch.tensor([1.0 if fact.polarity else -1.0 for fact in facts])
+    least = torch.tensor([fact.threshold for fact in facts])
+    weight = torch.full((len(facts),), _URGENT)
+    weight[diagnosis.index] *= 2
 
     def cost(actions: torch.Tensor) -> torch.Tensor:
         imagined = question.imagine(actions)
-        margin = sign * question.grounder.ground(imagined, question.goal).margin[:, diagnosis.index]
-        return question.scorer(imagined, question.goal) + _URGENT * (fact.threshold - margin).clamp(min=0)
+        margin = question.grounder.ground(imagined, question.goal).margin
+        lack = (least.to(margin) - sign.to(margin) * margin).clamp(min=0)
+        return question.scorer(imagined, question.goal) + lack @ weight.to(margin)
 
     return cost
 

@@ -91,7 +91,7 @@ def test_a_plan_with_fewer_unmet_facts_wins_over_a_cheaper_one():
 
 
 def test_a_worse_plan_does_not_take_the_place_of_the_best():
-    answers = iter([plan(-0.4, cost=2.0), plan(-0.4, cost=0.5)])
+    answers = iter([plan(-0.5, cost=2.0), plan(-0.5, cost=0.5)])
     found = guided(plan(-0.5, cost=1.0), {}, allowance=200, instead={"any": lambda *_: next(answers)})
     assert [tried.better for tried in found.tried] == [False, True]
     assert not found.retained
@@ -119,7 +119,8 @@ def test_a_control_draws_among_all_that_exist_and_passes_over_what_has_no_answer
 
 def test_a_control_without_any_answer_ends():
     found = guided(plan(-0.5), {}, instead={"none": lambda *_: None})
-    assert (found.retained, len(found.tried), found.evaluations) == (False, 1, COPIES)
+    assert (found.retained, found.evaluations) == (False, COPIES)
+    assert {tried.observation for tried in found.tried} == {None}
 
 
 def test_a_plan_is_judged_with_its_copies():
@@ -134,6 +135,24 @@ def test_a_plan_is_judged_with_its_copies():
     again, same = asked.judged(found)
     assert np.array_equal(again.margin, seen.margin)
     assert same == cost
+
+
+def test_a_plan_that_lacks_less_wins_over_a_cheaper_one():
+    answers = iter([plan(-0.6, cost=0.1), plan(-0.4, cost=9.0)])
+    found = guided(plan(-0.5, cost=1.0), {}, allowance=200, instead={"any": lambda *_: next(answers)})
+    assert [tried.better for tried in found.tried] == [False, True]
+
+
+def test_where_one_fact_cannot_be_bettered_another_has_its_turn():
+    asked = []
+
+    def mechanism(_question, _best, diagnosis, _random):
+        asked.append(local_name(diagnosis.fact.predicate))
+        return plan(-0.5)
+
+    routes = [local_name(iri) for iri, route in KNOWLEDGE.schema.routes.items() if route.level == "plan"]
+    guided(plan(-0.5), dict.fromkeys(routes, mechanism), allowance=6 * (100 + COPIES))
+    assert asked == ["free_of", "free_of", "at_target", "at_target", "velocity_matches", "velocity_matches"]
 
 
 def test_search_ends_where_no_route_is_left():

@@ -62,6 +62,8 @@ def run(trial: Trial) -> list[Row]:
 def _rows(model: SceneModel, asked: SceneFacts, data: Windows) -> Iterator[Row]:
     wanted = list(asked.positive)  # what a task asks not to hold is never true here
     schema = load_knowledge().schema
+    task = data.films[0].task  # a trial is of one task
+    own = [asked.names[place] for place in asked.positive if place in asked.needed[task]]
     units = {asked.names[place]: unit_of(asked.facts[place], schema) for place in wanted}
     imagined, seen = tell(model.dynamics, model.facts, [asked.facts[place] for place in wanted], data)
     events = tell_events(model.dynamics, model.events, asked, data)
@@ -88,6 +90,7 @@ def _rows(model: SceneModel, asked: SceneFacts, data: Windows) -> Iterator[Row]:
             "film": film.kind,
             "windows": len(rows),
             "units": units,
+            "asked": own,
             "facts": facts,
             "events": {name: _short(values[rows]) for name, values in events.items()},
         }
@@ -111,18 +114,17 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
     }
     for prefix, some in (("", calm), ("altered.", other)):
         for name in units:
-            found |= {
-                f"{prefix}{name}.{key}": value for key, value in _of_fact(name, some, intervals=not prefix).items()
-            }
+            told = _of_fact(name, some, intervals=not prefix) | _in_own(name, some)
+            found |= {f"{prefix}{name}.{key}": value for key, value in told.items()}
         for predicate in sorted({_predicate(name) for name in units}):
             found |= {f"{prefix}{predicate}.{key}": value for key, value in _of_predicate(predicate, some).items()}
     found |= _events(calm)
     ranked = [name for name in units if found.get(f"{name}.positives", 0) >= ENOUGH]
     found["facts_ranked"] = len(ranked)
-    for way, prefix in product(WAYS, ("", "altered.")):
-        worst = [found[key] for name in ranked if (key := f"{prefix}{name}.{way}_auroc") in found]
+    for way, prefix, among in product(WAYS, ("", "altered."), ("", "own_", "own_onset_")):
+        worst = [found[key] for name in ranked if (key := f"{prefix}{name}.{way}_{among}auroc") in found]
         if worst:
-            found[f"{prefix}{way}_auroc_min"] = min(worst)
+            found[f"{prefix}{way}_{among}auroc_min"] = min(worst)
     if ranked:
         found["auroc_min"] = found["imagined_auroc_min"]
         metres = [name for name in ranked if units[name] == "m"]
@@ -155,8 +157,25 @@ def _of_fact(name: str, rows: Sequence[Row], *, intervals: bool) -> dict[str, fl
             found[f"{way}_auroc"] = auroc(_rank(every, way), truth)
             if intervals:
                 found |= _interval(parts, way)
-        if (truth & ~before).any() and (~truth & ~before).any():
-            found[f"{way}_onset_auroc"] = auroc(_rank(every, way)[~before], truth[~before])
+    return found
+
+
+def _in_own(name: str, rows: Sequence[Row]) -> dict[str, float]:
+    """How one fact is ranked among the windows of the tasks that ask for it, and where it does not hold at first.
+
+    In the other tasks it is hardly ever about to hold, which is easily seen.
+    """
+    parts = [_columns(row["facts"][name]) for row in rows if name in row["asked"]]
+    if not parts:
+        return {}
+    every = _joined(parts)
+    truth, before = every["truth"] > 0, every["still"] > 0
+    found: dict[str, float] = {"own_windows": float(len(truth))}
+    for way in WAYS:
+        rank = _rank(every, way)
+        for key, some in (("own", np.ones_like(truth)), ("own_onset", ~before)):
+            if truth[some].any() and not truth[some].all():
+                found[f"{way}_{key}_auroc"] = auroc(rank[some], truth[some])
     return found
 
 

@@ -24,7 +24,8 @@ def world_model_libero_table(result: dict[str, Any]) -> str:
 def _by_fact(m: dict[str, float], units: dict[str, str]) -> str:
     heads = (
         *("fact after 25 steps", "true", "begins to hold", "AUROC [95 %]", "of the end as seen", "persistence"),
-        *("AUROC where false before", "persistence", "margin error", "as seen", "persistence", "ECE"),
+        *("its own tasks", "persistence", "and false before", "persistence"),
+        *("margin error", "as seen", "persistence", "ECE"),
     )
     lines = []
     for name, unit in units.items():
@@ -38,7 +39,11 @@ def _by_fact(m: dict[str, float], units: dict[str, str]) -> str:
                 *(f"{m[f'{name}.{count}']:.0f}" for count in ("positives", "onsets")),
                 f"{_rank(m, f'{name}.imagined_auroc')}{span}",
                 *(_rank(m, f"{name}.{way}_auroc") for way in WAYS[1:]),
-                *(_rank(m, f"{name}.{way}_onset_auroc") for way in ("imagined", "still")),
+                *(
+                    _rank(m, f"{name}.{way}_{key}_auroc")
+                    for key in ("own", "own_onset")
+                    for way in ("imagined", "still")
+                ),
                 *errors,
                 f"{m[f'{name}.imagined_ece']:.3f}",
             )
@@ -74,8 +79,10 @@ def _note(m: dict[str, float]) -> str:
         f"{m['windows']:,.0f} windows of {m['demonstrations']:.0f} demonstrations, and {m['altered_windows']:,.0f} of "
         f"actions that leave one; {m['crashed']:.0f} crashed. Of {m['facts_ranked']:.0f} facts with 30 positives or "
         f"more, the lowest AUROC is {_rank(m, 'auroc_min')} (persistence {_rank(m, 'still_auroc_min')}; of the end as "
-        f"seen {_rank(m, 'seen_auroc_min')}), in windows of altered actions {_rank(m, 'altered.imagined_auroc_min')} "
-        f"(persistence {_rank(m, 'altered.still_auroc_min')}).{events}"
+        f"seen {_rank(m, 'seen_auroc_min')}), among the windows of its own tasks {_rank(m, 'imagined_own_auroc_min')} "
+        f"({_rank(m, 'still_own_auroc_min')}; {_rank(m, 'seen_own_auroc_min')}), and in those of altered actions "
+        f"{_rank(m, 'altered.imagined_auroc_min')} ({_rank(m, 'altered.still_auroc_min')}; "
+        f"{_rank(m, 'altered.seen_auroc_min')}).{events}"
     )
 
 

@@ -33,7 +33,7 @@ def told(truth, before, sharpness):
     }
 
 
-def row(film="demonstration", sharpness=0.8, lit=0):
+def row(film="demonstration", sharpness=0.8, lit=0, own=True):
     before, after = [0] * 6 + [1] * 4, [0] * 3 + [1] * 7
     facts = {ON: told(after, before, sharpness), OPEN: told(after, before, sharpness)}
     facts[LIT] = told([lit] * 2 + [0] * 8, [0] * 10, sharpness)
@@ -43,7 +43,7 @@ def row(film="demonstration", sharpness=0.8, lit=0):
         "feasibility": [0.9] * 9 + [0.2], "clear": [1.0] * 9 + [0.0], "uncertainty": [0.1] * 10, "error": [0.3] * 10,
     }  # fmt: skip
     shared = {"mode": "none", "sees": "predicted", "windows": 10, "units": UNITS, "facts": facts, "events": events}
-    return {**shared, "film": film, "demo": 0}
+    return {**shared, "film": film, "demo": 0, "asked": [ON] if own else []}
 
 
 def test_the_worst_fact_with_enough_positives_is_what_counts():
@@ -66,10 +66,18 @@ def test_persistence_stands_beside_and_fails_where_a_fact_begins_to_hold():
     assert found[f"{ON}.imagined_auroc"] == 1
     assert found[f"{ON}.still_auroc"] == pytest.approx((4 + 3 * 0.5) / 7)
     assert (found[f"{ON}.onsets"], found[f"{ON}.ends"]) == (15, 0)
-    assert found[f"{ON}.still_onset_auroc"] == 0.5
-    assert found[f"{ON}.imagined_onset_auroc"] == 1
+    assert found[f"{ON}.still_own_onset_auroc"] == 0.5
+    assert found[f"{ON}.imagined_own_onset_auroc"] == 1
+    assert f"{OPEN}.still_own_auroc" not in found
     assert found[f"{ON}.still_wrong"] == pytest.approx(0.3)
     assert found["joint_state.positives"] == 35
+
+
+def test_windows_of_other_tasks_do_not_count_among_a_facts_own():
+    found = protocol().metrics([row() for _ in range(5)] + [row(sharpness=-0.8, own=False) for _ in range(5)])
+    assert found[f"{ON}.imagined_auroc"] < 0.6
+    assert found[f"{ON}.imagined_own_auroc"] == found["imagined_own_auroc_min"] == 1
+    assert found[f"{ON}.own_windows"] == 50
 
 
 def test_altered_windows_and_crashes_are_counted_apart():
@@ -121,12 +129,13 @@ def test_a_row_holds_each_fact_that_a_task_asks_for(tmp_path):
     )
     films = []
     for trial, kind in enumerate(("demonstration", "altered")):
-        films.append(Filmed(8, trial, trial, kind, tmp_path / "films.0" / "task" / f"{trial}.npz"))
+        films.append(Filmed(3, trial, trial, kind, tmp_path / "films.0" / "task" / f"{trial}.npz"))
         _write(films[-1].path, made(np.random.default_rng(trial), count))
     data = windows(films, asked, looks, tmp_path / "features.npy", lambda _text: None)
     rows = list(_rows(model, asked, data))
     assert [one["film"] for one in rows] == ["demonstration", "altered"]
     assert all(set(one["facts"]) == {asked.names[place] for place in asked.positive} for one in rows)
+    assert [name.partition("(")[0] for name in rows[0]["asked"]] == ["inside", "joint_state"]
     assert set(rows[0]["units"].values()) == {"m", "rad"}
     lengths = {len(values) for one in rows for told in one["facts"].values() for values in told.values()}
     assert lengths == {4}

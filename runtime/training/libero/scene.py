@@ -5,11 +5,11 @@ A fact is named by its atom, such as ``on(akita_black_bowl_1, plate_1)``: a nega
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 from onto_compiler.knowledge import Knowledge
-from onto_compiler.required import Fact, RequiredABox
+from onto_compiler.required import Fact
 from runtime.episodes import required_of
 from runtime.simulator.assets import TaskRef, tasks
 
@@ -22,19 +22,23 @@ SUITE = "libero_goal"
 class SceneFacts:
     """``facts``: the atoms, sorted by name; ``goals``: of each task by its index, the places of its goal's facts.
 
-    ``needed`` names, in the same way, all that a task's required ABox asks for: goal and preconditions. ``positive``
-    are the places of what some task asks to hold; the others are asked not to hold.
+    ``needed`` are, in the same way, those that a task asks to hold, whether as its goal or before it. The other facts
+    are asked not to hold.
     """
 
     facts: tuple[Fact, ...]
     goals: Mapping[int, tuple[int, ...]]
     needed: Mapping[int, tuple[int, ...]]
-    positive: tuple[int, ...]
 
     @property
     def names(self) -> tuple[str, ...]:
         """The atoms as text."""
         return tuple(map(str, self.facts))
+
+    @property
+    def positive(self) -> tuple[int, ...]:
+        """The places of what some task asks to hold."""
+        return tuple(sorted({place for places in self.needed.values() for place in places}))
 
 
 def scene_facts(knowledge: Knowledge, refs: tuple[TaskRef, ...] | None = None) -> SceneFacts:
@@ -45,22 +49,18 @@ def scene_facts(knowledge: Knowledge, refs: tuple[TaskRef, ...] | None = None) -
     """
     chosen = tasks(SUITE) if refs is None else refs
     required = {ref.index: required_of(ref, knowledge, ordered=True) for ref in chosen}
-    goals = {index: tuple(map(_atom, abox.facts)) for index, abox in required.items()}
-    before = {index: tuple(_atom(each.fact) for each in abox.preconditions) for index, abox in required.items()}
-    every = {str(fact): fact for found in (*goals.values(), *before.values()) for fact in found}
+    whole = {index: (*abox.facts, *(each.fact for each in abox.preconditions)) for index, abox in required.items()}
+    every = {str(_atom(fact)): _atom(fact) for facts in whole.values() for fact in facts}
     names = sorted(every)
-    place = {name: number for number, name in enumerate(names)}
+
+    def places(facts: Iterable[Fact]) -> tuple[int, ...]:
+        return tuple(names.index(str(_atom(fact))) for fact in facts)
+
     return SceneFacts(
         tuple(every[name] for name in names),
-        {index: tuple(place[str(fact)] for fact in found) for index, found in goals.items()},
-        {index: tuple(place[str(fact)] for fact in (*goals[index], *before[index])) for index in goals},
-        tuple(sorted({place[str(fact)] for abox in required.values() for fact in _asked_to_hold(abox)})),
+        {index: places(abox.facts) for index, abox in required.items()},
+        {index: places(fact for fact in facts if fact.polarity) for index, facts in whole.items()},
     )
-
-
-def _asked_to_hold(required: RequiredABox) -> list[Fact]:
-    every = [*required.facts, *(each.fact for each in required.preconditions)]
-    return [fact for fact in every if fact.polarity]
 
 
 def _atom(fact: Fact) -> Fact:

@@ -46,10 +46,10 @@ def test_a_film_is_of_the_recorded_moments_and_its_labels_are_the_native_verdict
     assert np.abs(np.diff(film.pictures.astype(int), axis=0)).mean(axis=(1, 2, 3)).min() > 0.01
     assert bool((film.margin[held, place] >= 0).all())
 
-    later = filmer.film(demo.start, np.asarray(demo.actions[:30]), 20)
-    assert np.array_equal(later.proprio, film.proprio[20:31])
-    assert np.array_equal(later.margin, film.margin[4:7])
-    assert np.array_equal(later.pictures, film.pictures[4:7])
+    later = filmer.film(demo.start, np.asarray(demo.actions[:25]), 20)
+    assert np.array_equal(later.proprio, film.proprio[20:26])
+    assert np.array_equal(later.margin, film.margin[4:6])
+    assert np.array_equal(later.pictures, film.pictures[4:6])
 
 
 def test_the_ten_tasks_ask_for_facts_of_one_scene(shot):

@@ -22,9 +22,9 @@ from runtime.training.libero.train import Place, load_windows, train
 from tests.runtime.training.libero.test_windows import FACTS
 
 COURSE = Course(
-    encoder="pixels:16:128", components=8, members=2, motion=150, appearance=100, estimate=5, facts=120, events=40
+    encoder="pixels:16:128", components=8, members=2, motion=80, appearance=60, estimate=5, facts=80, events=20
 )
-ASKED = SceneFacts(FACTS, {0: (0,)}, {0: (0,)}, (0,))
+ASKED = SceneFacts(FACTS, {0: (0,)}, {0: (0,)})
 
 
 def quiet(_text: str) -> None:
@@ -111,7 +111,7 @@ def test_an_interrupted_stage_ends_as_one_that_was_not(trained, tmp_path, monkey
         nonlocal calls
         saved(*arguments)
         calls += 1
-        if calls == 15:
+        if calls == 12:
             raise StoppedError
 
     monkeypatch.setattr(fitting, "save", stop)

@@ -14,7 +14,7 @@ from runtime.training.libero.windows import windows
 
 THING = Entity("thing", "Thing")
 FACTS = tuple(Fact(f"x#{name}", (THING,), NativeAtom(name, ("thing",)), name) for name in ("placed", "lost"))
-ASKED = SceneFacts(FACTS, {0: (0,)}, {0: (0,)}, (0,))
+ASKED = SceneFacts(FACTS, {0: (0,)}, {0: (0,)})
 
 
 def cut(films, tmp_path):

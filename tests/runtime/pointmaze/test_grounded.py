@@ -32,7 +32,7 @@ def test_the_task_requires_place_velocity_and_a_valid_state():
         "velocity_matches(ball, target)",
         "free_of(ball, wall)",
     ]
-    assert [fact.threshold for fact in required.facts] == [0.25, 0.0, 0.0]
+    assert [fact.threshold for fact in required.facts] == [0.35, 0.4, 0.0]
     assert [str(fact.native) for fact in required.premise] == ["FreeOf(ball, wall)"]
     assert [fact.threshold for fact in required.premise] == [0.0]
     assert required.source == "pointmaze/u_maze.bddl"  # wherever the package lies

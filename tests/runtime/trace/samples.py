@@ -182,7 +182,7 @@ def planned():
     def shown(*margins, step):
         return observed(*((m > 0, m, "") for m in margins), step=step)
 
-    seen = (predicted(0.4, -0.3, 0.4, step=50), predicted(0.3, -0.1, 0.4, step=50), predicted(0.3, 0.1, 0.4, step=50))
+    seen = (predicted(0.4, -0.3, 0.4, step=50), predicted(0.4, -0.1, 0.4, step=50), predicted(0.4, 0.45, 0.4, step=50))
     turns = []
     for index, before in enumerate(seen[:2]):
         found = diagnose(required.facts, before, KNOWLEDGE.tables)
@@ -192,7 +192,7 @@ def planned():
         told = Prediction(seen[index + 1], adopted=True, evaluations=2976)
         turns.append(Attempt(index, before, found, decision, application, plan=1, prediction=told))
     ends = (
-        (predicted(0.3, -0.2, 0.3, step=25), shown(-0.1, -0.4, 0.2, step=25), 3000),
+        (predicted(0.4, -0.2, 0.3, step=25), shown(-0.1, -0.4, 0.2, step=25), 3000),
         (seen[2], shown(0.2, -0.1, 0.4, step=50), 8952),
     )
     query = str(required.facts[0].native)

@@ -21,7 +21,7 @@ def test_attempts_stand_before_the_plan_that_they_were_to_better():
 
 def test_a_prediction_that_the_simulator_contradicts_is_called_so():
     assert (
-        "predicted to hold (+300 mm, score 0.92), does not hold in the simulator (-100 mm), falsely satisfied" in STORY
+        "predicted to hold (+400 mm, score 0.96), does not hold in the simulator (-100 mm), falsely satisfied" in STORY
     )
     assert STORY.count("falsely satisfied") == 2
 

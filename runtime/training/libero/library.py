@@ -103,19 +103,21 @@ def filmed(shoot: Shoot, jobs: int, say: Callable[[str], None]) -> tuple[Filmed,
     for ref, films in spread(partial(_of_task, shoot), refs, jobs):
         if isinstance(films, OntoError):
             raise films
-        found[ref.index] = films
-        say(f"{ref.name}: {len(films)} films")
+        found[ref.index], made = films
+        if made:
+            say(f"{ref.name}: {made} films")
     return tuple(film for ref in refs for film in found[ref.index])
 
 
-def _of_task(shoot: Shoot, ref: TaskRef) -> tuple[Filmed, ...] | OntoError:
+def _of_task(shoot: Shoot, ref: TaskRef) -> tuple[tuple[Filmed, ...], int] | OntoError:
     try:
         return _films(shoot, ref)
     except OntoError as error:
         return error
 
 
-def _films(shoot: Shoot, ref: TaskRef) -> tuple[Filmed, ...]:
+def _films(shoot: Shoot, ref: TaskRef) -> tuple[tuple[Filmed, ...], int]:
+    """The films of one task, and how many of them were made now."""
     where = _demonstrations(shoot, ref)
     file = load(where)
     whole = [demo for demo in file.demos if demo.start is not None and demo.origin is not None][: shoot.count]
@@ -135,7 +137,7 @@ def _films(shoot: Shoot, ref: TaskRef) -> tuple[Filmed, ...]:
     key = hashlib.sha256(json.dumps(about, sort_keys=True).encode()).hexdigest()[:12]
     folder = shoot.folder / f"films.{key}" / ref.name
     filmer: Filmer | None = None
-    found = []
+    found, made = [], 0
     try:
         for demo in wanted:
             for kind in (_CALM, _ALTERED):
@@ -145,11 +147,12 @@ def _films(shoot: Shoot, ref: TaskRef) -> tuple[Filmed, ...]:
                     if (film := _play(filmer, ref, demo, kind)) is None:
                         continue
                     _write(one.path, film)
+                    made += 1
                 found.append(one)
     finally:
         if filmer is not None:
             filmer.close()
-    return tuple(found)
+    return tuple(found), made
 
 
 def _demonstrations(shoot: Shoot, ref: TaskRef) -> Path:

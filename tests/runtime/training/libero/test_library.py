@@ -48,12 +48,15 @@ def shoot(tmp_path, monkeypatch):
 
 
 def test_each_demonstration_is_filmed_once_and_an_episode_that_diverges_is_left_out(shoot):
-    found = filmed(shoot, 1, lambda _text: None)
+    said = []
+    found = filmed(shoot, 1, said.append)
+    assert said == ["put_the_bowl_on_the_plate: 2 films"]
     assert Fake.asked == 4
     assert {one.calm for one in found} == {True}
     assert [(one.task, one.kind) for one in found] == [(8, "demonstration")] * 2
-    again = filmed(shoot, 1, lambda _text: None)
+    again = filmed(shoot, 1, said.append)
     assert again == found
+    assert len(said) == 1
     assert Fake.asked == 6  # only those that diverged are tried again
     found[0].path.write_bytes(b"")
     assert len(filmed(shoot, 1, lambda _text: None)) == 2

@@ -1,7 +1,7 @@
 """What a typed failure of a plan is answered with: one mechanism for each plan route that the ontology declares.
 
-Each spends about one budget of candidates and returns its best, or None where it has none to offer. The best plan so
-far competes within each, so that none returns a worse one.
+Each spends about one budget of candidates (a longer horizon two, being imagined twice as far) and returns its best, or
+None where it has none to offer. The best plan so far competes within each, so that none returns a worse one.
 """
 
 from __future__ import annotations
@@ -76,10 +76,9 @@ def longer_horizon(question: Question, best: Found, diagnosis: Diagnosis, random
         return None
     with torch.no_grad():
         wide = Region.everywhere(2 * steps, question.actions, question.sampling, best.actions.device)
-        mean = torch.cat([best.actions, torch.zeros_like(best.actions)])
-        return search(
-            question.cost, Region(mean, wide.deviation), question.budget, question.sampling, random
-        )  # fmt: skip
+        region = Region(torch.cat([best.actions, torch.zeros_like(best.actions)]), wide.deviation)
+        found = search(question.cost, region, question.budget, question.sampling, random)
+        return replace(found, evaluations=2 * found.evaluations)  # of plans that are twice as long
 
 
 def waypoint(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:

@@ -214,6 +214,7 @@ def test_a_longer_horizon_is_offered_only_where_there_is_time():
     found = longer_horizon(asked, best, None, torch.Generator().manual_seed(0))
     assert found is not None
     assert found.actions.shape == (50, 2)
+    assert found.evaluations == 2 * asked.budget.evaluations
     assert longer_horizon(question(longest=9), best, None, torch.Generator().manual_seed(0)) is None
 
 

@@ -32,7 +32,7 @@ from runtime.pointmaze.maze import MACRO_STEPS, maze_named
 from runtime.pointmaze.trials import PUBLISHED, trial
 from runtime.trace.file import write_trace
 
-__all__ = ["BLOCKS", "COMPARED", "POINTMAZE"]
+__all__ = ["BLOCKS", "COMPARED", "POINTMAZE", "SPEED_METRICS", "TRACES"]
 
 FRESH = 200
 BLOCKS = {"published": range(PUBLISHED), "fresh": range(PUBLISHED, PUBLISHED + FRESH)}
@@ -41,7 +41,7 @@ SMALL = 2
 TRACES = Path("out/bench/pointmaze")
 """Where each trial leaves its trace: predicted and simulated ABoxes side by side, and what was tried."""
 _SPEED, _TIMED = "speed", ("grounding", "table", "from_nothing")
-_TIMES = ("grounding_300x5_ms", "table_min", "training_min", "from_nothing_min")
+SPEED_METRICS = ("grounding_300x5_ms", "table_min", "training_min", "from_nothing_min")
 COMPARED = {
     "onto_vs_event": ("onto", "event"),
     "onto_vs_feature": ("onto", "feature"),
@@ -147,7 +147,7 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
         "crashed": sum("crashed" in row for row in rows),
     }
     for row in rows:
-        found |= {name: row[name] for name in _TIMES if name in row}
+        found |= {name: row[name] for name in SPEED_METRICS if name in row}
     for name in ROWS:
         found |= _of_row(name, [row for row in whole if row["row"] == name])
     means = {name: _by_trial([row for row in whole if row["row"] == name]) for name in ROWS}

@@ -1,0 +1,52 @@
+"""PointMaze's protocol: a trial leaves its row and its trace, and success is counted by the time that plans take."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.pointmaze import COMPARED, POINTMAZE, TRACES
+from runtime.planning.pointmaze.rows import ROWS
+from runtime.trace.store import open_trace
+
+pytestmark = pytest.mark.sim
+
+
+def played(row, trial, distance, time, success=True):
+    return {
+        "row": row, "model": 0, "trial": trial, "block": "published", "success": success, "plans": 1, "time": time,
+        "distance": distance, "position": 0.1, "velocity": 0.1, "evaluations": 9, "planning_s": 0.1, "predicted": [],
+    }  # fmt: skip
+
+
+def test_a_trial_leaves_its_row_and_its_trace(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (row,) = POINTMAZE.run({"key": "random/0/3", "row": "random", "model": 0, "trial": 3})
+    assert (row["mode"], row["sees"], row["block"], row["predicted"]) == ("controller", "nothing", "published", [])
+    trace = open_trace(TRACES / "random/0/3.trig.gz")
+    (iri,) = trace.episodes()
+    episode = trace.episode(iri)
+    assert (episode.state_index, len(episode.plans)) == (3, row["plans"])
+    assert (episode.outcome == "accepted") == row["success"]
+
+
+def test_success_is_counted_by_time_and_differences_by_trial():
+    rows = [played("search", k, 0.2, 1 + k % 2) for k in range(10)]
+    rows += [played("undirected_search", k, 0.5 + 0.01 * k, 1, success=k > 0) for k in range(10)]
+    found = POINTMAZE.metrics(rows)
+    assert (found["search_success_1"], found["search_success_2"], found["search_success"]) == (0.5, 1.0, 1.0)
+    assert found["undirected_search_success"] == 0.9
+    assert found["search_minus_undirected"] == pytest.approx(-0.345)
+    assert found["search_vs_undirected_p"] < 0.01
+    assert "search_vs_random_p" not in found
+
+
+def test_comparisons_are_of_rows_that_exist():
+    assert {name for pair in COMPARED.values() for name in pair} <= set(ROWS)
+    assert len(COMPARED) == 7
+
+
+def test_every_row_is_run_on_every_trial_and_what_asks_no_model_once():
+    full = [trial for trial in POINTMAZE.trials(True) if trial["row"] != "speed"]
+    learned = sum(row.learned for row in ROWS.values())
+    assert len(full) == 250 * (3 * learned + len(ROWS) - learned)
+    assert len({trial["key"] for trial in full}) == len(full)

@@ -133,7 +133,7 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
             found[label] = float(np.mean([found[f"{name}.{way}_mae"] for name in metres]))
             found[f"{way}_ece_max"] = max(found[f"{name}.{way}_ece"] for name in ranked)
         found["ece_max"] = found["imagined_ece_max"]
-    return found
+    return {name: value for name, value in found.items() if np.isfinite(value)}
 
 
 def _of_fact(name: str, rows: Sequence[Row], *, intervals: bool) -> dict[str, float]:

@@ -96,6 +96,15 @@ def test_events_are_told_where_they_are_known():
     assert found["event.feasibility_auroc"] == 1
 
 
+def test_what_cannot_be_ranked_is_left_out():
+    rows = [row() for _ in range(2)]
+    for one in rows:
+        one["events"]["clear"] = [1.0] * 10
+    found = protocol().metrics(rows)
+    assert "event.feasibility_auroc" not in found
+    assert np.isfinite(list(found.values())).all()
+
+
 def test_without_rows_there_is_no_figure_of_a_fact():
     assert protocol().metrics([{"crashed": "died", "task": 1}]) == {
         "demonstrations": 0, "windows": 0, "altered_windows": 0, "crashed": 1, "facts_ranked": 0

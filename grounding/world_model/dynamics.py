@@ -50,7 +50,10 @@ class Imagined:
 
 
 class Dynamics(nn.Module):
-    """``motion``: the parameters of :class:`Motion`; ``features``: D; ``macro``: environment steps in a macro step."""
+    """``motion``: the parameters of :class:`Motion`; ``features``: D; ``macro``: environment steps in a macro step.
+
+    ``apart``: how far from each other members may begin (:meth:`apart`), in units of a coordinate's scale.
+    """
 
     def __init__(
         self,
@@ -60,9 +63,10 @@ class Dynamics(nn.Module):
         macro: int = 5,
         history: int = 3,
         width: int = 256,
+        apart: float = 0.01,
     ) -> None:
         super().__init__()
-        self.macro, self.history, self.feature_scale = macro, history, feature_scale
+        self.macro, self.history, self.feature_scale, self._apart = macro, history, feature_scale, apart
         self.motion = Motion(**motion)
         size, actions = len(motion["centre"]), int(motion["actions"])
         self.appearance = mlp([features + 2 * size, width, width, features], zero=True)
@@ -97,8 +101,22 @@ class Dynamics(nn.Module):
         change = self.appearance(torch.cat([features / self.feature_scale, *ends], dim=-1))
         return features + change * self.feature_scale
 
+    def apart(self, begin: torch.Tensor, random: torch.Generator) -> torch.Tensor:
+        """Beginnings (M, B, P) of the members around ``begin`` (B, P): the first there, the others in pairs around it.
+
+        Contact makes a small difference large, in exact motion too. So how far members spread tells of a plan whether
+        it needs luck.
+        """
+        pairs = self.members // 2
+        drawn = torch.randn((pairs, *begin.shape), generator=random).to(begin)
+        off = torch.cat([torch.zeros_like(begin)[None], drawn, -drawn])[: self.members]
+        return begin + self._apart * self.motion.scale * off
+
     def imagine(self, features: torch.Tensor, begin: torch.Tensor, actions: torch.Tensor) -> Imagined:
-        """Roll ``actions`` (N, H, macro, A) out from ``features`` (D,) or (N, D) and ``begin`` (P,) or (N, P)."""
+        """Roll ``actions`` (N, H, macro, A) out from ``features`` and ``begin``.
+
+        ``features`` are (D,) or (N, D); ``begin`` is (P,), (N, P), or for each member (M, 1, P) or (M, N, P).
+        """
         rows, horizon = actions.shape[:2]
         start = begin.expand(self.members, rows, begin.shape[-1])
         path = self.motion.path(start, actions.flatten(1, 2))

@@ -58,23 +58,28 @@ class Question:
         """A."""
         return int(self.history.actions.shape[-1])
 
+    @cached_property
+    def _random(self) -> torch.Generator:
+        return torch.Generator().manual_seed(0)
+
     def imagine(self, actions: torch.Tensor) -> Imagined:
-        """What candidates (N, T, A) lead to; T is a multiple of the macro step."""
+        """What candidates (N, T, A) lead to, all from the same beginnings; T is a multiple of the macro step.
+
+        Each call draws other beginnings of the members, so that no plan lasts in a search which needs one of them.
+        """
+        return self._imagined(actions, self.dynamics.apart(self.begin[None], self._random))
+
+    def _imagined(self, actions: torch.Tensor, begin: torch.Tensor) -> Imagined:
         macro = self.dynamics.macro
         steps = actions.unflatten(1, (actions.shape[1] // macro, macro))
-        return self.dynamics.imagine(self.history.features, self.begin, steps)
+        return self.dynamics.imagine(self.history.features, begin, steps)
 
     def cost(self, actions: torch.Tensor) -> torch.Tensor:
         """Costs (N,) of candidates (N, T, A)."""
         return self.scorer(self.imagine(actions), self.goal)
 
-    def observation(self, actions: torch.Tensor) -> Observation:
-        """The predicted ABox at the end of one candidate (T, A)."""
-        with torch.no_grad():
-            return self.grounder.ground(self.imagine(actions[None]), self.goal).observation(0, step=len(actions))
-
     def judged(self, found: Found) -> tuple[Observation, float]:
-        """What is predicted of a plan, and its cost, as means over it and over copies whose actions are a little off.
+        """What is predicted of a plan, and its cost, as means over it and over copies that are a little off.
 
         What holds to the last digit alone, as a bounce off a wall in the last step, does not hold.
         """
@@ -83,7 +88,8 @@ class Question:
             random = torch.Generator().manual_seed(0)  # all plans are judged by the same copies
             jitter = _JITTER * torch.randn((COPIES, *actions.shape), generator=random).to(actions)
             jitter[0] = 0.0
-            imagined = self.imagine((actions + jitter).clamp(-1, 1))
+            begin = self.dynamics.apart(self.begin.expand(COPIES, -1), random)
+            imagined = self._imagined((actions + jitter).clamp(-1, 1), begin)
             facts = self.grounder.ground(imagined, self.goal)
             mean = Predicted(facts.margin.mean(dim=0, keepdim=True), facts.score.mean(dim=0, keepdim=True))
             return mean.observation(0, step=len(actions)), float(self.scorer(imagined, self.goal).mean())

@@ -82,7 +82,7 @@ class ByModel(Planner):
         with torch.no_grad():
             found = search(question.cost, region, self._budget, self._sampling, random)
         if self._guidance is None:
-            seen = question.observation(found.actions)
+            seen, _ = question.judged(found)
             return Made(_array(found.actions), found.evaluations, seen, None, _foreseen(question, found.actions))
         guidance = self._guidance
         better = improve(

@@ -65,6 +65,19 @@ def test_a_fresh_motion_stands_still():
     assert torch.equal(motion(begin, torch.rand(3, 4, 2)), begin)
 
 
+@pytest.mark.parametrize("members", [1, 2, 3, 4])
+def test_members_begin_apart_in_pairs_around_the_first(members):
+    network, begin = dynamics(members=members), torch.rand(5, 4)
+    found = network.apart(begin, torch.Generator().manual_seed(0))
+    assert found.shape == (members, 5, 4)
+    assert torch.equal(found[0], begin)
+    off = (found[1:] - begin) / network.motion.scale
+    assert bool((off.abs() < 0.06).all())
+    assert bool((off.abs() > 0).all())
+    if members == 3:
+        assert torch.allclose(found.mean(dim=0), begin, atol=1e-6)
+
+
 def test_imagining_in_two_parts_is_imagining_in_one():
     network = dynamics(members=1)
     actions = torch.rand(3, 4, 5, 2) * 2 - 1

@@ -127,7 +127,7 @@ def test_a_plan_is_judged_with_its_copies():
     asked = question()
     found = worst(asked)
     seen, cost = asked.judged(found)
-    alone = asked.observation(found.actions)
+    alone = asked.grounder.ground(asked.imagine(found.actions[None]), asked.goal).observation(0, step=25)
     assert seen.source == "pred"
     assert not np.array_equal(seen.margin, alone.margin)
     assert np.allclose(seen.margin, alone.margin, atol=0.1)
@@ -135,6 +135,15 @@ def test_a_plan_is_judged_with_its_copies():
     again, same = asked.judged(found)
     assert np.array_equal(again.margin, seen.margin)
     assert same == cost
+
+
+def test_members_begin_elsewhere_each_time_a_question_is_asked():
+    asked, actions = question(), torch.zeros(1, 25, 2)
+    first, second = asked.imagine(actions).path[:, 0, 0], asked.imagine(actions).path[:, 0, 0]
+    assert torch.equal(first[0], asked.begin)
+    assert torch.equal(second[0], asked.begin)
+    assert not torch.equal(first[1], second[1])
+    assert torch.equal(question().imagine(actions).path[:, 0, 0], first)
 
 
 def test_a_plan_that_lacks_less_wins_over_a_cheaper_one():
@@ -194,7 +203,7 @@ def worst(asked: Question) -> Found:
 def test_a_mechanism_returns_a_plan_at_the_questions_own_cost(mechanism):
     asked = question()
     best = worst(asked)
-    seen = asked.observation(best.actions)
+    seen, _ = asked.judged(best)
     violated = Observation(
         "pred", 25, seen.observed, np.zeros(3, bool), np.full(3, -0.3), np.zeros(3), ("",) * len(NAMES)
     )
@@ -204,7 +213,7 @@ def test_a_mechanism_returns_a_plan_at_the_questions_own_cost(mechanism):
     assert found.actions.shape == (25, 2)
     assert bool((found.actions.abs() <= 1).all())
     assert found.evaluations > 0
-    assert found.cost == pytest.approx(float(asked.cost(found.actions[None])[0]), abs=1e-5)
+    assert found.cost == pytest.approx(float(asked.cost(found.actions[None])[0]), abs=0.02)
     assert not found.actions.requires_grad
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from benchmarks import compiler_tables, runtime_tables
 from benchmarks.audit_tables import audit_table, suites_table, versions_table
 from benchmarks.markdown import origin
+from benchmarks.pointmaze_tables import pointmaze_table
 from benchmarks.results import RESULTS, read_result
 from benchmarks.skills_tables import skills_table
 from benchmarks.world_model_tables import world_model_libero_table
@@ -21,7 +22,8 @@ from benchmarks.world_model_tables import world_model_libero_table
 __all__ = ["TABLES", "fill", "main"]
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGES = ("README.md", "docs/audit.md", "docs/demos.md", "docs/results.md", "docs/skills.md", "docs/world_models.md")
+_DOCS = ("audit", "demos", "pointmaze", "results", "skills", "world_models")
+PAGES = ("README.md", *(f"docs/{name}.md" for name in _DOCS))
 _BLOCK = re.compile(r"(<!-- table: (?P<name>[\w.-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
@@ -37,6 +39,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "fuzz": compiler_tables.fuzz_table,
     "grounding": runtime_tables.grounding_table,
     "lsp": compiler_tables.lsp_table,
+    "pointmaze": pointmaze_table,
     "simulator": runtime_tables.simulator_table,
     "skills": skills_table,
     "state_repair": runtime_tables.state_repair_table,

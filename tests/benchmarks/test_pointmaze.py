@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.pointmaze import COMPARED, POINTMAZE, TRACES
+from benchmarks.pointmaze_tables import pointmaze_table
 from runtime.planning.pointmaze.rows import ROWS
 from runtime.trace.store import open_trace
 
@@ -42,7 +43,7 @@ def test_success_is_counted_by_time_and_differences_by_trial():
 
 def test_comparisons_are_of_rows_that_exist():
     assert {name for pair in COMPARED.values() for name in pair} <= set(ROWS)
-    assert len(COMPARED) == 7
+    assert len(COMPARED) == 8
 
 
 def test_every_row_is_run_on_every_trial_and_what_asks_no_model_once():
@@ -50,3 +51,14 @@ def test_every_row_is_run_on_every_trial_and_what_asks_no_model_once():
     learned = sum(row.learned for row in ROWS.values())
     assert len(full) == 250 * (3 * learned + len(ROWS) - learned)
     assert len({trial["key"] for trial in full}) == len(full)
+
+
+def test_the_page_has_a_line_for_each_row_that_was_run_and_each_pair_of_them():
+    seen = {"truth": [[True, False], [False, False], [True, True]], "margin": [[0.1, -0.1], [-0.2, -0.3], [0.4, 0.4]]}
+    rows = [{**played("search", k, 0.2, 1), "predicted": [seen]} for k in range(4)]
+    rows += [played("undirected_search", k, 0.4, 1) for k in range(4)]
+    lines = pointmaze_table({"metrics": POINTMAZE.metrics(rows)}).splitlines()
+    assert sum(line.startswith("| `search` |") for line in lines) == 3  # how it did, by block, what it predicted
+    assert sum(line.startswith("| `undirected_search` |") for line in lines) == 2
+    assert any(line.startswith("| `search` less `undirected_search` | -0.200 [-0.200, -0.200] |") for line in lines)
+    assert "| `search` | 1.000 | 0.000 | 0.000 | 0.000 | 0.000 | 0.000 |" in lines

@@ -50,7 +50,7 @@ def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signatur
 
 
 def run(trial: Trial) -> list[Row]:
-    """A row for each film of the task: what was told of its windows' ends, and what was true."""
+    """A row for each film of the task and each fact, and one for its events: what was told of the ends, and the truth."""
     torch.set_num_threads(1)
     model, asked = _model(), _asked()
     shoot = Shoot(FOLDER, trial["count"], TEST_SEED, (trial["task"],), ("test",), exact=True)
@@ -63,37 +63,38 @@ def _rows(model: SceneModel, asked: SceneFacts, data: Windows) -> Iterator[Row]:
     wanted = list(asked.positive)  # what a task asks not to hold is never true here
     schema = load_knowledge().schema
     task = data.films[0].task  # a trial is of one task
-    own = [asked.names[place] for place in asked.positive if place in asked.needed[task]]
-    units = {asked.names[place]: unit_of(asked.facts[place], schema) for place in wanted}
     imagined, seen = tell(model.dynamics, model.facts, [asked.facts[place] for place in wanted], data)
     events = tell_events(model.dynamics, model.events, asked, data)
     truth, margin = data.truth[..., wanted], data.margin[..., wanted]
     for number, film in enumerate(data.films):
         rows = np.flatnonzero(data.film == number)
-        facts = {}
-        for place, fact in enumerate(wanted):
-            facts[asked.names[fact]] = {
-                "truth": truth[rows, -1, place].astype(int).tolist(),
-                "margin": _short(margin[rows, -1, place]),
-                "still": truth[rows, 0, place].astype(int).tolist(),
-                "still_margin": _short(margin[rows, 0, place]),
-                "imagined": _short(imagined.score[rows, place]),
-                "imagined_margin": _short(imagined.margin[rows, place]),
-                "seen": _short(seen.score[rows, place]),
-                "seen_margin": _short(seen.margin[rows, place]),
-            }
-        yield {
+        shared = {
             "mode": "none",
             "sees": "predicted",
+            "task": task,
             "demo": film.trial,
             "state": film.state,
             "film": film.kind,
             "windows": len(rows),
-            "units": units,
-            "asked": own,
-            "facts": facts,
-            "events": {name: _short(values[rows]) for name, values in events.items()},
         }
+        for place, fact in enumerate(wanted):
+            yield {
+                **shared,
+                "fact": asked.names[fact],
+                "unit": unit_of(asked.facts[fact], schema),
+                "own": fact in asked.needed[task],
+                "told": {
+                    "truth": truth[rows, -1, place].astype(int).tolist(),
+                    "margin": _short(margin[rows, -1, place]),
+                    "still": truth[rows, 0, place].astype(int).tolist(),
+                    "still_margin": _short(margin[rows, 0, place]),
+                    "imagined": _short(imagined.score[rows, place]),
+                    "imagined_margin": _short(imagined.margin[rows, place]),
+                    "seen": _short(seen.score[rows, place]),
+                    "seen_margin": _short(seen.margin[rows, place]),
+                },
+            }
+        yield {**shared, "fact": "", "told": {name: _short(values[rows]) for name, values in events.items()}}
 
 
 def _short(values: NDArray[Any]) -> list[float | None]:
@@ -103,22 +104,24 @@ def _short(values: NDArray[Any]) -> list[float | None]:
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
     """AUROC, margin errors and calibration of each fact, with intervals over demonstrations; then their worst."""
     whole = [row for row in rows if "crashed" not in row]
-    units: Mapping[str, str] = whole[0]["units"] if whole else {}
+    units = {row["fact"]: row["unit"] for row in whole if row["fact"]}
     calm = [row for row in whole if row["film"] == "demonstration"]
     other = [row for row in whole if row["film"] != "demonstration"]
     found: dict[str, float] = {
-        "demonstrations": len(calm),
-        "windows": sum(row["windows"] for row in calm),
-        "altered_windows": sum(row["windows"] for row in other),
+        "demonstrations": sum(not row["fact"] for row in calm),
+        "windows": sum(row["windows"] for row in calm if not row["fact"]),
+        "altered_windows": sum(row["windows"] for row in other if not row["fact"]),
         "crashed": len(rows) - len(whole),
     }
     for prefix, some in (("", calm), ("altered.", other)):
         for name in units:
-            told = _of_fact(name, some, intervals=not prefix) | _in_own(name, some)
+            mine = [row for row in some if row["fact"] == name]
+            told = _of_fact(mine, intervals=not prefix) | _in_own(mine)
             found |= {f"{prefix}{name}.{key}": value for key, value in told.items()}
         for predicate in sorted({_predicate(name) for name in units}):
-            found |= {f"{prefix}{predicate}.{key}": value for key, value in _of_predicate(predicate, some).items()}
-    found |= _events(calm)
+            mine = [row for row in some if _predicate(row["fact"]) == predicate]
+            found |= {f"{prefix}{predicate}.{key}": value for key, value in _of_predicate(mine).items()}
+    found |= _events([row for row in calm if not row["fact"]])
     ranked = [name for name in units if found.get(f"{name}.positives", 0) >= ENOUGH]
     found["facts_ranked"] = len(ranked)
     for way, prefix, among in product(WAYS, ("", "altered."), ("", "own_", "own_onset_")):
@@ -136,9 +139,9 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
     return {name: value for name, value in found.items() if np.isfinite(value)}
 
 
-def _of_fact(name: str, rows: Sequence[Row], *, intervals: bool) -> dict[str, float]:
+def _of_fact(rows: Sequence[Row], *, intervals: bool) -> dict[str, float]:
     """The figures of one fact over all windows of ``rows``."""
-    parts = [_columns(row["facts"][name]) for row in rows]
+    parts = [_columns(row["told"]) for row in rows]
     if not parts:
         return {}
     every = _joined(parts)
@@ -160,12 +163,12 @@ def _of_fact(name: str, rows: Sequence[Row], *, intervals: bool) -> dict[str, fl
     return found
 
 
-def _in_own(name: str, rows: Sequence[Row]) -> dict[str, float]:
+def _in_own(rows: Sequence[Row]) -> dict[str, float]:
     """How one fact is ranked among the windows of the tasks that ask for it, and where it does not hold at first.
 
     In the other tasks it is hardly ever about to hold, which is easily seen.
     """
-    parts = [_columns(row["facts"][name]) for row in rows if name in row["asked"]]
+    parts = [_columns(row["told"]) for row in rows if row["own"]]
     if not parts:
         return {}
     every = _joined(parts)
@@ -192,9 +195,9 @@ def _interval(parts: Sequence[Mapping[str, Array]], way: str) -> dict[str, float
     return {f"{way}_auroc.low": float(low), f"{way}_auroc.high": float(high)}
 
 
-def _of_predicate(predicate: str, rows: Sequence[Row]) -> dict[str, float]:
+def _of_predicate(rows: Sequence[Row]) -> dict[str, float]:
     """The figures of all facts of one predicate together."""
-    parts = [_columns(told) for row in rows for name, told in row["facts"].items() if _predicate(name) == predicate]
+    parts = [_columns(row["told"]) for row in rows]
     if not parts:
         return {}
     every = _joined(parts)
@@ -211,7 +214,7 @@ def _events(rows: Sequence[Row]) -> dict[str, float]:
     """How well the events of the window's own task are told."""
     if not rows:
         return {}
-    every = _joined([_columns(row["events"]) for row in rows])
+    every = _joined([_columns(row["told"]) for row in rows])
     there = np.isfinite(every["left"])
     success = every["succeeds"] > 0
     return (

@@ -16,8 +16,8 @@ _UNITS = {"m": (1000, "mm"), "rad": (1000, "mrad")}
 
 def world_model_libero_table(result: dict[str, Any]) -> str:
     """One line per fact; one per predicate; a note on events, counts and windows of altered actions."""
-    m, first = result["metrics"], next(row for row in result["rows"] if "units" in row)
-    units: dict[str, str] = first["units"]
+    m = result["metrics"]
+    units = {row["fact"]: row["unit"] for row in result["rows"] if row.get("fact")}
     return "\n\n".join((_by_fact(m, units), _by_predicate(m, units), _note(m)))
 
 

@@ -33,7 +33,7 @@ def told(truth, before, sharpness):
     }
 
 
-def row(film="demonstration", sharpness=0.8, lit=0, own=True):
+def filmed(film="demonstration", sharpness=0.8, lit=0, own=True):
     before, after = [0] * 6 + [1] * 4, [0] * 3 + [1] * 7
     facts = {ON: told(after, before, sharpness), OPEN: told(after, before, sharpness)}
     facts[LIT] = told([lit] * 2 + [0] * 8, [0] * 10, sharpness)
@@ -42,12 +42,17 @@ def row(film="demonstration", sharpness=0.8, lit=0, own=True):
         "remaining": [1.5] * 10, "left": [None] * 5 + [1.0] * 5,
         "feasibility": [0.9] * 9 + [0.2], "clear": [1.0] * 9 + [0.0], "uncertainty": [0.1] * 10, "error": [0.3] * 10,
     }  # fmt: skip
-    shared = {"mode": "none", "sees": "predicted", "windows": 10, "units": UNITS, "facts": facts, "events": events}
-    return {**shared, "film": film, "demo": 0, "asked": [ON] if own else []}
+    shared = {"mode": "none", "sees": "predicted", "windows": 10, "film": film, "demo": 0}
+    rows = [{**shared, "fact": f, "unit": UNITS[f], "own": own and f == ON, "told": facts[f]} for f in facts]
+    return [*rows, {**shared, "fact": "", "told": events}]
+
+
+def figures(*films):
+    return protocol().metrics([row for film in films for row in film])
 
 
 def test_the_worst_fact_with_enough_positives_is_what_counts():
-    found = protocol().metrics([row() for _ in range(4)] + [row(lit=1, sharpness=-0.8)])
+    found = figures(*[filmed() for _ in range(4)], filmed(lit=1, sharpness=-0.8))
     assert found[f"{ON}.positives"] == 35
     assert found[f"{LIT}.positives"] == 2  # too few, and told the wrong way round
     assert found["facts_ranked"] == 2
@@ -62,7 +67,7 @@ def test_the_worst_fact_with_enough_positives_is_what_counts():
 
 
 def test_persistence_stands_beside_and_fails_where_a_fact_begins_to_hold():
-    found = protocol().metrics([row() for _ in range(5)])
+    found = figures(*[filmed() for _ in range(5)])
     assert found[f"{ON}.imagined_auroc"] == 1
     assert found[f"{ON}.still_auroc"] == pytest.approx((4 + 3 * 0.5) / 7)
     assert (found[f"{ON}.onsets"], found[f"{ON}.ends"]) == (15, 0)
@@ -74,22 +79,22 @@ def test_persistence_stands_beside_and_fails_where_a_fact_begins_to_hold():
 
 
 def test_windows_of_other_tasks_do_not_count_among_a_facts_own():
-    found = protocol().metrics([row() for _ in range(5)] + [row(sharpness=-0.8, own=False) for _ in range(5)])
+    found = figures(*[filmed() for _ in range(5)], *[filmed(sharpness=-0.8, own=False) for _ in range(5)])
     assert found[f"{ON}.imagined_auroc"] < 0.6
     assert found[f"{ON}.imagined_own_auroc"] == found["imagined_own_auroc_min"] == 1
     assert found[f"{ON}.own_windows"] == 50
 
 
 def test_altered_windows_and_crashes_are_counted_apart():
-    rows = [row() for _ in range(5)] + [row("altered", -0.8) for _ in range(5)] + [{"crashed": "died", "task": 3}]
-    found = protocol().metrics(rows)
+    altered = [filmed("altered", -0.8) for _ in range(5)]
+    found = figures(*[filmed() for _ in range(5)], *altered, [{"crashed": "died", "task": 3}])
     assert (found["windows"], found["altered_windows"], found["crashed"]) == (50, 50, 1)
     assert found["auroc_min"] == 1
     assert found["altered.imagined_auroc_min"] == 0
 
 
 def test_events_are_told_where_they_are_known():
-    found = protocol().metrics([row() for _ in range(2)])
+    found = figures(*[filmed() for _ in range(2)])
     assert found["event.success_auroc"] == 1
     assert found["event.remaining_mae_s"] == pytest.approx(0.5)
     assert found["event.uncertainty_mae"] == pytest.approx(0.2)
@@ -97,10 +102,10 @@ def test_events_are_told_where_they_are_known():
 
 
 def test_what_cannot_be_ranked_is_left_out():
-    rows = [row() for _ in range(2)]
-    for one in rows:
-        one["events"]["clear"] = [1.0] * 10
-    found = protocol().metrics(rows)
+    films = [filmed() for _ in range(2)]
+    for film in films:
+        film[-1]["told"]["clear"] = [1.0] * 10
+    found = figures(*films)
     assert "event.feasibility_auroc" not in found
     assert np.isfinite(list(found.values())).all()
 
@@ -142,10 +147,10 @@ def test_a_row_holds_each_fact_that_a_task_asks_for(tmp_path):
         _write(films[-1].path, made(np.random.default_rng(trial), count))
     data = windows(films, asked, looks, tmp_path / "features.npy", lambda _text: None)
     rows = list(_rows(model, asked, data))
-    assert [one["film"] for one in rows] == ["demonstration", "altered"]
-    assert all(set(one["facts"]) == {asked.names[place] for place in asked.positive} for one in rows)
-    assert [name.partition("(")[0] for name in rows[0]["asked"]] == ["inside", "joint_state"]
-    assert set(rows[0]["units"].values()) == {"m", "rad"}
-    lengths = {len(values) for one in rows for told in one["facts"].values() for values in told.values()}
-    assert lengths == {4}
+    assert [one["film"] for one in rows if not one["fact"]] == ["demonstration", "altered"]
+    told = {one["fact"]: one["unit"] for one in rows if one["fact"]}
+    assert set(told) == {asked.names[place] for place in asked.positive}
+    assert set(told.values()) == {"m", "rad"}
+    assert {one["fact"].partition("(")[0] for one in rows if one.get("own")} == {"inside", "joint_state"}
+    assert {len(values) for one in rows for values in one["told"].values()} == {4}
     assert protocol().metrics(rows)["windows"] == 4

@@ -50,7 +50,7 @@ def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signatur
 
 
 def run(trial: Trial) -> list[Row]:
-    """A row for each film of the task and each fact, and one for its events: what was told of the ends, and the truth."""
+    """A row for each film of the task and each fact, and one for its events: what was told of the ends, and what is."""
     torch.set_num_threads(1)
     model, asked = _model(), _asked()
     shoot = Shoot(FOLDER, trial["count"], TEST_SEED, (trial["task"],), ("test",), exact=True)

@@ -170,5 +170,5 @@ def test_a_folder_that_cannot_be_made_is_a_problem(tmp_path, capsys):
 
 
 def test_a_score_is_shown_with_what_it_weighs(page):
-    assert "− 0.3 fact_margin(velocity_matches)" in page.text
-    assert "+ 5 proprioception_gap" in page.text
+    assert "\N{MINUS SIGN} 0.45 fact_margin(velocity_matches)" in page.text
+    assert "+ 100 proprioception_gap" in page.text

@@ -33,7 +33,7 @@ def own(tmp_path, weight):
 
 def test_every_row_has_a_declared_score_and_every_score_a_row():
     assert {row.score for row in ROWS.values()} - {None} == set(SCORES)
-    assert len(SCORES) == 5
+    assert len(SCORES) == 6
 
 
 def test_only_the_typed_rows_read_typed_facts():

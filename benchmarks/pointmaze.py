@@ -45,7 +45,7 @@ SPEED_METRICS = ("grounding_300x5_ms", "table_min", "training_min", "from_nothin
 COMPARED = {
     "onto_vs_event": ("onto", "event"),
     "onto_vs_feature": ("onto", "feature"),
-    "onto_vs_feature_published": ("onto", "feature_published"),
+    "onto_vs_feature_dinowm": ("onto", "feature_dinowm"),
     "onto_vs_untyped": ("onto", "onto_untyped"),
     "search_vs_onto": ("search", "onto"),
     "search_vs_random": ("search", "random_search"),

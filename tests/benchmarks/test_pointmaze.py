@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.pointmaze import COMPARED, POINTMAZE, TRACES
+from benchmarks.pointmaze import BLOCKS, COMPARED, POINTMAZE, TRACES
 from benchmarks.pointmaze_tables import pointmaze_table
 from runtime.planning.pointmaze.rows import ROWS
 from runtime.trace.store import open_trace
@@ -39,6 +39,10 @@ def test_success_is_counted_by_time_and_differences_by_trial():
     assert found["search_minus_undirected"] == pytest.approx(-0.345)
     assert found["search_vs_undirected_p"] < 0.01
     assert "search_vs_random_p" not in found
+
+
+def test_no_row_is_named_as_the_block_of_another():
+    assert not {f"{row}_{block}" for row in ROWS for block in BLOCKS} & set(ROWS)
 
 
 def test_comparisons_are_of_rows_that_exist():

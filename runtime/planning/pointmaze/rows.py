@@ -59,7 +59,7 @@ class Row:
 
 _LEARNED = {
     "feature_images": Row("feature_images"),
-    "feature_published": Row("feature_published"),
+    "feature_dinowm": Row("feature_dinowm"),
     "feature": Row("feature"),
     "event": Row("event"),
     "onto": Row("onto"),
@@ -74,7 +74,7 @@ ROWS = {
     **{
         f"{name}_blind": Row(row.score, POSITION, row.budget, row.after)
         for name, row in _LEARNED.items()
-        if name not in ("feature_images", "feature_published")
+        if name not in ("feature_images", "feature_dinowm")
     },
     "ceiling": Row("onto", truth=True),
     "ceiling_large": Row("onto", budget=_LARGE, truth=True),

@@ -36,6 +36,12 @@ class Events:
     feasibility: torch.Tensor
     uncertainty: torch.Tensor
 
+    @classmethod
+    def of(cls, found: torch.Tensor) -> Events:
+        """What a head's network gives, (..., 5); what is a size becomes positive."""
+        remaining, success, consistency, feasibility, uncertainty = found.unbind(-1)
+        return cls(functional.softplus(remaining), success, consistency, feasibility, functional.softplus(uncertainty))
+
 
 class EventHead(nn.Module):
     """Built as :class:`grounding.world_model.facts.FactHead`."""
@@ -62,7 +68,4 @@ class EventHead(nn.Module):
         ends += [self.scaling.proprio(each, sensed) for each in (proprio, goal_proprio)]
         rows = proprio.shape[:-1]
         parts = [*(end.expand(*rows, end.shape[-1]) for end in ends), (spread + 1e-3).log().expand(rows)[..., None]]
-        remaining, success, consistency, feasibility, uncertainty = self.network(torch.cat(parts, dim=-1)).unbind(-1)
-        return Events(
-            functional.softplus(remaining), success, consistency, feasibility, functional.softplus(uncertainty)
-        )
+        return Events.of(self.network(torch.cat(parts, dim=-1)))

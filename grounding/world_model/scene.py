@@ -10,7 +10,6 @@ from collections.abc import Sequence
 
 import torch
 from torch import nn
-from torch.nn import functional
 
 from grounding.world_model.events import Events
 from grounding.world_model.layers import mlp
@@ -90,12 +89,7 @@ class SceneEventHead(nn.Module):
         """As :meth:`SceneFactHead.forward`, to events of (...); ``goal`` (..., F) or (F,) is 1 where it is required."""
         read = _read(self.scaling, features, proprio, spread, sensed)
         asked = goal.to(read).expand(*read.shape[:-1], goal.shape[-1])
-        remaining, success, consistency, feasibility, uncertainty = self.network(
-            torch.cat([read, asked], dim=-1)
-        ).unbind(-1)
-        return Events(
-            functional.softplus(remaining), success, consistency, feasibility, functional.softplus(uncertainty)
-        )
+        return Events.of(self.network(torch.cat([read, asked], dim=-1)))
 
 
 def _read(

@@ -1,5 +1,8 @@
 """The cross-entropy method over action sequences, with coloured noise and kept elites (iCEM).
 
+The best of thousands of candidates owes some of its cost to luck, as where it just misses a wall. So what would be the
+last iteration may go into a second look at the few that came out best, each from many beginnings.
+
 Sources: DINO-WM ``planning/cem.py`` for budget and form; Pinneri et al., "Sample-efficient cross-entropy method for
 real-time planning" (2020), for coloured noise, kept elites and returning the best candidate.
 """
@@ -7,11 +10,11 @@ real-time planning" (2020), for coloured noise, kept elites and returning the be
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 
-__all__ = ["Budget", "Found", "Region", "Sampling", "coloured", "search"]
+__all__ = ["Budget", "Found", "Judge", "Region", "Sampling", "coloured", "search"]
 
 Cost = Callable[[torch.Tensor], torch.Tensor]
 """Candidates (N, T, A) to costs (N,); lower is better."""
@@ -29,6 +32,14 @@ class Budget:
     def evaluations(self) -> int:
         """Candidates in all."""
         return self.samples * self.iterations
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judge:
+    """A second look: its ``cost`` of a candidate takes as many evaluations as it has ``copies``."""
+
+    cost: Cost
+    copies: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,18 +82,29 @@ class Found:
 
 
 def search(
-    cost: Cost, region: Region, budget: Budget, sampling: Sampling, random: torch.Generator, known: Found | None = None
+    cost: Cost,
+    region: Region,
+    budget: Budget,
+    sampling: Sampling,
+    random: torch.Generator,
+    known: Found | None = None,
+    judge: Judge | None = None,
 ) -> Found:
-    """Minimise ``cost`` over actions in [-1, 1], beginning in ``region``; what is ``known`` competes from the start."""
-    best = known
-    elites: torch.Tensor | None = None if known is None else known.actions[None]
-    for _ in range(budget.iterations):
+    """Minimise ``cost`` over actions in [-1, 1], beginning in ``region``; what is ``known`` competes from the start.
+
+    With a ``judge`` the last iteration's evaluations go to the last elites, the middle of the last region and what is
+    known: the one that costs least in its eyes is found, and its cost is the judge's.
+    """
+    rounds = budget.iterations - (judge is not None)
+    if rounds < 1:
+        raise ValueError("a search needs an iteration, and one more where there is a judge")
+    best, elites = known, region.mean[None][:0] if known is None else known.actions[None]
+    for _ in range(rounds):
         noise = coloured((budget.samples, *region.mean.shape), sampling.colour, random).to(region.mean.device)
         candidates = region.mean + region.deviation * noise
         candidates[0] = region.mean
-        if elites is not None:
-            kept = elites[: sampling.kept]
-            candidates[1 : 1 + len(kept)] = kept
+        kept = elites[: sampling.kept]
+        candidates[1 : 1 + len(kept)] = kept
         candidates = candidates.clamp(-1, 1)
         costs = cost(candidates)
         order = torch.argsort(costs)[: budget.elites]
@@ -92,8 +114,15 @@ def search(
             best = Found(elites[0], lowest, 0, region)
         region = _towards(region, elites, sampling.momentum)
     if best is None:
-        raise ValueError("a search needs at least one iteration")
-    return Found(best.actions, best.cost, budget.evaluations, region)
+        raise AssertionError("the first iteration finds one")
+    spent = rounds * budget.samples
+    if judge is None:
+        return replace(best, evaluations=spent, region=region)
+    others = torch.stack([region.mean.clamp(-1, 1), *([] if known is None else [known.actions])])
+    finalists = torch.cat([elites[: max(budget.samples // judge.copies - len(others), 1)], others])
+    costs = judge.cost(finalists)
+    place = int(costs.argmin())
+    return Found(finalists[place], float(costs[place]), spent + judge.copies * len(finalists), region)
 
 
 def coloured(shape: tuple[int, int, int], colour: float, random: torch.Generator) -> torch.Tensor:

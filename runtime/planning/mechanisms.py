@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import torch
 
+from grounding.world_model.dynamics import Imagined
 from runtime.planning.cem import Found, Region, search
 from runtime.planning.question import Question
 from runtime.records import Diagnosis
@@ -36,8 +37,10 @@ def resample_around_margin(
     region = Region(best.actions, torch.full_like(best.actions, _NARROW))
     urgent = _urging(question, diagnosis)
     with torch.no_grad():
-        start = replace(best, cost=float(urgent(best.actions[None])[0]))
-        return _priced(question, search(urgent, region, question.budget, question.sampling, random, start))
+        return search(
+            lambda actions: urgent(question.imagine(actions)),
+            region, question.budget, question.sampling, random, best, question.judge(urgent),
+        )  # fmt: skip
 
 
 def match_velocity(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
@@ -58,14 +61,15 @@ def match_velocity(question: Question, best: Found, diagnosis: Diagnosis, random
         for group in optimiser.param_groups:
             group["lr"] = _RATE * (1 - step / _STEPS) + 0.05 * _RATE
         optimiser.zero_grad()
-        urgent(plans + noise(_OFF)).sum().backward()
+        urgent(question.imagine(plans + noise(_OFF))).sum().backward()
         optimiser.step()
         with torch.no_grad():
             plans.clamp_(-1, 1)
-    ends = plans.detach()
+    ends, judge = plans.detach(), question.judge(urgent)
     with torch.no_grad():
-        chosen = ends[int(torch.stack([urgent(ends + noise(_OFF)) for _ in range(_DESCENTS)]).mean(dim=0).argmin())]
-    return _priced(question, Found(chosen, 0.0, 3 * _DESCENTS * _STEPS + _DESCENTS**2, best.region))
+        costs = judge.cost(ends)
+    place = int(costs.argmin())
+    return Found(ends[place], float(costs[place]), (3 * _STEPS + judge.copies) * _DESCENTS, best.region)
 
 
 def longer_horizon(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
@@ -77,7 +81,7 @@ def longer_horizon(question: Question, best: Found, diagnosis: Diagnosis, random
     with torch.no_grad():
         wide = Region.everywhere(2 * steps, question.actions, question.sampling, best.actions.device)
         region = Region(torch.cat([best.actions, torch.zeros_like(best.actions)]), wide.deviation)
-        found = search(question.cost, region, question.budget, question.sampling, random)
+        found = search(question.cost, region, question.budget, question.sampling, random, judge=question.judge())
         return replace(found, evaluations=2 * found.evaluations)  # of plans that are twice as long
 
 
@@ -104,7 +108,7 @@ def waypoint(question: Question, best: Found, diagnosis: Diagnosis, random: torc
         rest = Region.everywhere(len(best.actions) - half, question.actions, question.sampling, device)
         on = search(onward, rest, budget, question.sampling, random)
         spent = there.evaluations + on.evaluations
-        return _priced(question, Found(torch.cat([there.actions, on.actions]), on.cost, spent, best.region))
+        return Found(torch.cat([there.actions, on.actions]), on.cost, spent, best.region)
 
 
 def again(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
@@ -112,10 +116,10 @@ def again(question: Question, best: Found, diagnosis: Diagnosis, random: torch.G
     del diagnosis
     region = Region.everywhere(len(best.actions), question.actions, question.sampling, best.actions.device)
     with torch.no_grad():
-        return search(question.cost, region, question.budget, question.sampling, random, best)
+        return search(question.cost, region, question.budget, question.sampling, random, best, question.judge())
 
 
-def _urging(question: Question, diagnosis: Diagnosis) -> Callable[[torch.Tensor], torch.Tensor]:
+def _urging(question: Question, diagnosis: Diagnosis) -> Callable[[Imagined], torch.Tensor]:
     """The question's cost, and on top what margins lack of what is required, the diagnosed one's twice over.
 
     Were the others left out, a plan would be bettered in one fact by giving up another.
@@ -126,16 +130,9 @@ def _urging(question: Question, diagnosis: Diagnosis) -> Callable[[torch.Tensor]
     weight = torch.full((len(facts),), _URGENT)
     weight[diagnosis.index] *= 2
 
-    def cost(actions: torch.Tensor) -> torch.Tensor:
-        imagined = question.imagine(actions)
+    def price(imagined: Imagined) -> torch.Tensor:
         margin = question.grounder.ground(imagined, question.goal).margin
         lack = (least.to(margin) - sign.to(margin) * margin).clamp(min=0)
-        return question.scorer(imagined, question.goal) + lack @ weight.to(margin)
+        return question.price(imagined) + lack @ weight.to(margin)
 
-    return cost
-
-
-def _priced(question: Question, found: Found) -> Found:
-    """``found`` at the question's own cost, which plans are compared by."""
-    with torch.no_grad():
-        return replace(found, cost=float(question.cost(found.actions[None])[0]))
+    return price

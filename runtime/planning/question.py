@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,7 +12,7 @@ from grounding.observation import Observation
 from grounding.world_model.dynamics import Dynamics, History, Imagined
 from grounding.world_model.pred import Goal, PredGrounder, Predicted
 from onto_compiler.problems import OntoError
-from runtime.planning.cem import Budget, Found, Sampling
+from runtime.planning.cem import Budget, Found, Judge, Sampling
 from runtime.planning.scorers import Scorer
 
 __all__ = ["COPIES", "Question"]
@@ -76,20 +77,37 @@ class Question:
 
     def cost(self, actions: torch.Tensor) -> torch.Tensor:
         """Costs (N,) of candidates (N, T, A)."""
-        return self.scorer(self.imagine(actions), self.goal)
+        return self.price(self.imagine(actions))
+
+    def price(self, imagined: Imagined) -> torch.Tensor:
+        """Costs (N,) of what was imagined."""
+        return self.scorer(imagined, self.goal)
+
+    def judge(self, price: Callable[[Imagined], torch.Tensor] | None = None) -> Judge:
+        """A second look at candidates: the mean ``price``, the question's own where none is given, of their copies."""
+        priced = price or self.price
+
+        def cost(actions: torch.Tensor) -> torch.Tensor:
+            return priced(self._copied(actions)).view(len(actions), COPIES).mean(dim=1)
+
+        return Judge(cost, COPIES)
 
     def judged(self, found: Found) -> tuple[Observation, float]:
         """What is predicted of a plan, and its cost, as means over it and over copies that are a little off.
 
         What holds to the last digit alone, as a bounce off a wall in the last step, does not hold.
         """
-        actions = found.actions
         with torch.no_grad():
-            random = torch.Generator().manual_seed(0)  # all plans are judged by the same copies
-            jitter = _JITTER * torch.randn((COPIES, *actions.shape), generator=random).to(actions)
-            jitter[0] = 0.0
-            begin = self.dynamics.apart(self.begin.expand(COPIES, -1), random)
-            imagined = self._imagined((actions + jitter).clamp(-1, 1), begin)
+            imagined = self._copied(found.actions[None])
             facts = self.grounder.ground(imagined, self.goal)
             mean = Predicted(facts.margin.mean(dim=0, keepdim=True), facts.score.mean(dim=0, keepdim=True))
-            return mean.observation(0, step=len(actions)), float(self.scorer(imagined, self.goal).mean())
+            return mean.observation(0, step=len(found.actions)), float(self.price(imagined).mean())
+
+    def _copied(self, actions: torch.Tensor) -> Imagined:
+        """What candidates (N, T, A) and copies that are a little off lead to: COPIES of the first, then of the next."""
+        random = torch.Generator().manual_seed(0)  # all plans are judged by the same copies
+        jitter = _JITTER * torch.randn((COPIES, *actions.shape[1:]), generator=random).to(actions)
+        jitter[0] = 0.0
+        begin = self.dynamics.apart(self.begin.expand(COPIES, -1), random)
+        copies = (actions[:, None] + jitter).clamp(-1, 1).flatten(0, 1)
+        return self._imagined(copies, begin.repeat(1, len(actions), 1))

@@ -80,7 +80,7 @@ class ByModel(Planner):
         )  # fmt: skip
         region = Region.everywhere(_STEPS, ACTION_DIM, self._sampling, question.begin.device)
         with torch.no_grad():
-            found = search(question.cost, region, self._budget, self._sampling, random)
+            found = search(question.cost, region, self._budget, self._sampling, random, judge=question.judge())
         if self._guidance is None:
             seen, _ = question.judged(found)
             return Made(_array(found.actions), found.evaluations, seen, None, _foreseen(question, found.actions))

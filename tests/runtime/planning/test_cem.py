@@ -7,7 +7,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from runtime.planning.cem import Budget, Found, Region, Sampling, coloured, search
+from runtime.planning.cem import Budget, Found, Judge, Region, Sampling, coloured, search
 
 WANTED = torch.linspace(-0.8, 0.8, 20).reshape(10, 2)
 
@@ -43,6 +43,35 @@ def test_what_is_known_is_not_lost():
     known = Found(WANTED, 0.0, 1, Region.everywhere(10, 2, Sampling()))
     found = search(bowl, Region.everywhere(10, 2, Sampling()), Budget(20, 5, 1), Sampling(), seeded(), known)
     assert torch.equal(found.actions, WANTED)
+
+
+def test_a_judge_has_the_last_iteration_and_the_last_word():
+    asked: list[torch.Tensor] = []
+
+    def second(actions: torch.Tensor) -> torch.Tensor:
+        asked.append(actions)
+        return -bowl(actions)
+
+    start, budget = Region.everywhere(10, 2, Sampling()), Budget(50, 10, 4)
+    found = search(bowl, start, budget, Sampling(), seeded(), judge=Judge(second, 16))
+    short = search(bowl, start, Budget(50, 10, 3), Sampling(), seeded())
+    (finalists,) = asked
+    assert found.evaluations == 3 * 50 + 16 * len(finalists) <= budget.evaluations
+    assert torch.equal(finalists[0], short.actions)
+    assert torch.equal(finalists[-1], short.region.mean)
+    assert found.cost == pytest.approx(float(-bowl(finalists).max()))
+    assert torch.equal(found.actions, finalists[bowl(finalists).argmax()])
+
+
+def test_what_is_known_comes_before_the_judge():
+    start, known = Region.everywhere(10, 2, Sampling()), Found(WANTED, 0.0, 1, Region.everywhere(10, 2, Sampling()))
+    found = search(bowl, start, Budget(20, 5, 2), Sampling(), seeded(), known, Judge(bowl, 16))
+    assert torch.equal(found.actions, WANTED)
+
+
+def test_a_judge_needs_an_iteration_of_its_own():
+    with pytest.raises(ValueError, match="one more where there is a judge"):
+        search(bowl, Region.everywhere(10, 2, Sampling()), Budget(20, 5, 1), Sampling(), seeded(), None, Judge(bowl, 1))
 
 
 def test_the_same_seed_finds_the_same_plan():

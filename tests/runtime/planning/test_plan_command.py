@@ -91,7 +91,7 @@ def test_a_guided_trial_is_recorded_with_both_aboxes_and_its_routes(capsys, quic
     assert {p.predicted.source for p in episode.plans} == {"pred"}
     assert {p.simulated.source for p in episode.plans} == {"sim"}
     assert [p.simulated.step for p in episode.plans] == [25, 50, 75, 100]
-    assert len(episode.attempts) > 4
+    assert len(episode.attempts) >= 4
     assert {attempt.selected.level for attempt in episode.attempts} == {"plan"}
     assert all(a.application is None or a.application.mode == "none" for a in episode.attempts)
     assert all(p.verification.outcome == bool(p.simulated.truth[0]) for p in episode.plans)

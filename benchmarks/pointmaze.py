@@ -33,7 +33,7 @@ from runtime.pointmaze.maze import MACRO_STEPS, maze_named
 from runtime.pointmaze.trials import PUBLISHED, trial
 from runtime.trace.file import write_trace
 
-__all__ = ["BLOCKS", "COMPARED", "POINTMAZE", "SPEED_METRICS", "TRACES"]
+__all__ = ["BLOCKS", "COMPARED", "POINTMAZE", "SPEED_METRICS", "TRACES", "fact_names"]
 
 BLOCKS = {"published": range(PUBLISHED), "fresh": range(250, 450)}
 SMALL = 2
@@ -182,13 +182,18 @@ def _of_row(name: str, rows: Sequence[Row]) -> dict[str, float]:
         if some:
             found[f"{name}_{block}_success"] = _share(some, lambda row: row["success"])
             found[f"{name}_{block}_distance"] = float(np.mean([row["distance"] for row in some]))
-    facts = [local_name(fact.predicate) for fact in _facts().required.facts]
     made = [plan for row in rows for plan in row["predicted"]]
-    for place, fact in enumerate(facts if made else []):
+    for place, fact in enumerate(fact_names() if made else ()):
         pairs = np.array([plan["truth"][place] for plan in made])
         found[f"{name}_{fact}.false_satisfied"] = float((pairs[:, 0] & ~pairs[:, 1]).mean())
         found[f"{name}_{fact}.false_missing"] = float((~pairs[:, 0] & pairs[:, 1]).mean())
     return found
+
+
+@cache
+def fact_names() -> tuple[str, ...]:
+    """The predicates of the required facts, in their order."""
+    return tuple(local_name(fact.predicate) for fact in _facts().required.facts)
 
 
 def _share(rows: Sequence[Row], holds: Any) -> float:  # noqa: ANN401 - a predicate of a row

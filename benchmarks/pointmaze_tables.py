@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 from benchmarks.markdown import rate, table
-from benchmarks.pointmaze import BLOCKS, COMPARED, SPEED_METRICS
+from benchmarks.pointmaze import BLOCKS, COMPARED, SPEED_METRICS, fact_names
 from runtime.planning.pointmaze.rows import ROWS
 
 __all__ = ["pointmaze_table"]
@@ -71,7 +70,7 @@ def _by_block(names: list[str], m: Metrics) -> str:
 
 def _predicted(names: list[str], m: Metrics) -> str:
     """Shares of executed plans whose end was predicted otherwise than the simulator showed."""
-    facts = list(dict.fromkeys(_facts(m)))
+    facts = fact_names()
     lines = [
         (f"`{name}`", *(f"{m[f'{name}_{fact}.{what}']:.3f}" for fact in facts for what in _FALSE))
         for name in names
@@ -79,13 +78,6 @@ def _predicted(names: list[str], m: Metrics) -> str:
     ]
     heads = ("row", *(f"`{fact}` {what.replace('_', ' ')}" for fact in facts for what in _FALSE))
     return table(heads, lines) if lines else ""
-
-
-def _facts(m: Metrics) -> Iterator[str]:
-    for name in m:
-        row = next((row for row in sorted(ROWS, key=len, reverse=True) if name.startswith(f"{row}_")), None)
-        if row is not None and name.endswith(f".{_FALSE[0]}"):
-            yield name[len(row) + 1 : -len(_FALSE[0]) - 1]
 
 
 def _speed(m: Metrics) -> str:

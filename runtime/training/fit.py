@@ -43,7 +43,7 @@ def fit(
 ) -> None:
     """Minimise ``loss`` over the trainable weights of ``module``, in place; ``kept`` is where an interrupted run lies.
 
-    ``say(step, loss)`` is told of the progress. The file ``kept`` is removed when the last step is done.
+    ``say(step, loss)`` is told of the progress. A fit that is done lies in ``kept`` too, and is not done again.
 
     Raises:
         OntoError: ``WM005`` where the loss stops being a finite number, ``WM006`` where ``kept`` cannot be written,
@@ -64,10 +64,9 @@ def fit(
         optimiser.step()
         if step % 100 == 99 or step == schedule.steps - 1:
             say(step + 1, float(found.detach()))
-        if time.monotonic() - written > _KEPT_EVERY and step < schedule.steps - 1:
+        if time.monotonic() - written > _KEPT_EVERY or step == schedule.steps - 1:
             save(kept, _state(trained, optimiser, step + 1), about)
             written = time.monotonic()
-    kept.unlink(missing_ok=True)
 
 
 def _state(

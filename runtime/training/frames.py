@@ -100,13 +100,12 @@ def encoded(
     width = int(np.prod(encoder.shape))
     key = hashlib.sha256(json.dumps([asdict(source), len(states), encoder.identity]).encode()).hexdigest()
     note = kept.with_suffix(".json")
-    done = 0
-    if kept.exists() and note.exists():
-        about = json.loads(note.read_text())
-        done = int(about["done"]) if about["key"] == key else 0
+    done = _done(note, key) if kept.exists() else 0
     kept.parent.mkdir(parents=True, exist_ok=True)
-    mode = "r+" if done else "w+"
-    held = np.lib.format.open_memmap(kept, mode=mode, dtype=np.float32, shape=(len(states), width))
+    shape = (len(states), width)
+    held = np.lib.format.open_memmap(kept, mode="r+") if done else None
+    if held is None or held.shape != shape:
+        held, done = np.lib.format.open_memmap(kept, mode="w+", dtype=np.float32, shape=shape), 0
     while done < len(states):
         rows = slice(done, min(done + _CHUNK, len(states)))
         held[rows] = encoder.encode(draw(states[rows]))
@@ -116,6 +115,15 @@ def encoded(
             note.write_text(json.dumps({"key": key, "done": done}))
             say(f"{done:,} of {len(states):,} pictures")
     return held
+
+
+def _done(note: Path, key: str) -> int:
+    """How far the features of ``key`` are; 0 where ``note`` tells of others, or is not whole."""
+    try:
+        about = json.loads(note.read_text())
+        return int(about["done"]) if about["key"] == key else 0
+    except (OSError, ValueError, KeyError, TypeError):
+        return 0
 
 
 def segments(frames: Frames, random: np.random.Generator, count: int, horizon: int) -> tuple[Indices, Indices]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -29,18 +29,16 @@ from runtime.pointmaze.grounded import MazeFacts, required_facts
 from runtime.pointmaze.maze import MACRO_STEPS, MAX_SPEED, STATE_DIM, Maze, maze_named
 from runtime.pointmaze.picture import draw
 from runtime.pointmaze.trajectories import Split, Trajectories, collect
-from runtime.training.fit import Schedule, fit
+from runtime.training.fit import Schedule
 from runtime.training.frames import HORIZON, Frames, encoded
 from runtime.training.heads import Ends, Labels, Sampler, event_loss, fact_loss
 from runtime.training.measures import auroc, calibration_error
-from runtime.training.motion import appearance_loss, estimate_loss, motion_loss
+from runtime.training.stages import Fitter, Say, head_parameters
 
 __all__ = ["Course", "train"]
 
 _TEST = 200
 """Trajectories of the test split, which the figures on a card are measured on."""
-
-Say = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +75,9 @@ def train(stage: str, course: Course, folder: Path, command: str, commit: str, s
     torch.manual_seed(course.seed)
     card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
-    return makers[stage](course, folder, card, say)
+    metrics = makers[stage](course, folder, card, say)
+    _fitter(course, folder, say).forget(stage)
+    return metrics
 
 
 def _projection(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
@@ -111,17 +111,12 @@ def _dynamics(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str
         "macro": MACRO_STEPS,
     }
     network = Dynamics(**parameters)
-    kept = folder / "unfinished"
-    sensed = torch.tensor(POSITION)
-    losses = (
-        ("motion", network.motion, motion_loss(network, frames), Schedule(course.motion)),
-        ("appearance", network.appearance, appearance_loss(network, frames), Schedule(course.appearance, rate=1e-3)),
-        ("estimate", network.estimate, estimate_loss(network, frames, sensed), Schedule(course.estimate)),
-    )
-    for name, part, loss, schedule in losses:
-        fit(part, loss, schedule, course.seed, kept / name, _told(say, name))
-        part.requires_grad_(requires_grad=False)
-    network.eval().requires_grad_(requires_grad=False)
+    schedules = {
+        "motion": Schedule(course.motion),
+        "appearance": Schedule(course.appearance, rate=1e-3),
+        "estimate": Schedule(course.estimate),
+    }
+    _fitter(course, folder, say).dynamics(network, frames, torch.tensor(POSITION), schedules)
     metrics = _imagining(network, _frames(course, "test", seen, folder, say))
     about = replace(
         card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, encoder=seen.identity,
@@ -134,9 +129,7 @@ def _dynamics(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str
 def _events(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
     sampler, parameters, card = _for_heads(course, folder, "train", card, say)
     head = EventHead(**parameters)
-    schedule = Schedule(course.heads)
-    fit(head, event_loss(head, sampler), schedule, course.seed, folder / "unfinished" / "events", _told(say, "events"))
-    head.eval().requires_grad_(requires_grad=False)
+    _fitter(course, folder, say).fit("events", head, event_loss(head, sampler), Schedule(course.heads))
     ends = _tested(course, folder, say)
     found = head(*ends.read)
     success = (ends.margins[:, sampler.labels.success] > 0).numpy()
@@ -158,9 +151,7 @@ def _facts(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, f
     names = [local_name(fact.predicate) for fact in required_facts(load_knowledge()).facts]
     parameters = {"facts": names, **parameters}
     head = FactHead(**parameters)
-    schedule = Schedule(course.heads)
-    fit(head, fact_loss(head, sampler), schedule, course.seed, folder / "unfinished" / "facts", _told(say, "facts"))
-    head.eval().requires_grad_(requires_grad=False)
+    _fitter(course, folder, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.heads))
     ends = _tested(course, folder, say)
     margin, logit = head(*ends.read)
     truth, score = (ends.margins > 0).numpy(), logit.sigmoid().numpy()
@@ -191,13 +182,7 @@ def _for_heads(
         names.index("free_of"),
     )
     frames = _frames(course, split, seen, folder, say)
-    motion = found.card.parameters["motion"]
-    parameters = {
-        "centre": motion["centre"],
-        "scale": motion["scale"],
-        "features": course.components,
-        "feature_scale": network.feature_scale,
-    }
+    parameters = head_parameters(network, found.card.parameters["motion"])
     about = replace(
         card, data={**card.data, "dynamics": found.identity}, encoder=seen.identity,
         sees="pixels, proprioception; labels of privileged-state",
@@ -247,5 +232,5 @@ def _frames(course: Course, split: Split, seen: Projected, folder: Path, say: Sa
     return Frames(found.states.astype(np.float32), found.actions.astype(np.float32), features)
 
 
-def _told(say: Say, what: str) -> Callable[[int, float], None]:
-    return lambda step, loss: say(f"{what}: step {step:,}, loss {loss:.4f}") if step % 1000 == 0 else None
+def _fitter(course: Course, folder: Path, say: Say) -> Fitter:
+    return Fitter(folder / "unfinished", course.seed, say)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -21,7 +21,7 @@ from grounding.world_model.projection import fit as fit_projection
 from grounding.world_model.scene import SCENE_EVENTS, SCENE_FACTS, SceneEventHead, SceneFactHead
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
-from runtime.training.fit import Schedule, fit
+from runtime.training.fit import Schedule
 from runtime.training.libero.course import Course
 from runtime.training.libero.film import MACRO
 from runtime.training.libero.hand import PLACES, SIZE
@@ -30,7 +30,7 @@ from runtime.training.libero.library import Filmed, Shoot, filmed
 from runtime.training.libero.measure import event_metrics, fact_metrics, imagining_metrics
 from runtime.training.libero.scene import SceneFacts, scene_facts
 from runtime.training.libero.windows import Windows, pictures_of, windows
-from runtime.training.motion import appearance_loss, estimate_loss, motion_loss
+from runtime.training.stages import Fitter, Say, head_parameters
 
 __all__ = ["Place", "load_windows", "train"]
 
@@ -39,8 +39,6 @@ _FITTED = 4000
 _ACTIONS = 7
 _SEES = "pixels, proprioception"
 _LABELS = f"{_SEES}; labels of privileged-state"
-
-Say = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -70,7 +68,9 @@ def train(stage: str, course: Course, place: Place, command: str, commit: str, s
     torch.manual_seed(course.seed)
     card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
-    return makers[stage](course, place, card, say)
+    metrics = makers[stage](course, place, card, say)
+    _fitter(course, place, say).forget(stage)
+    return metrics
 
 
 def load_windows(course: Course, place: Place, split: str, seen: Projected, say: Say) -> Windows:
@@ -119,20 +119,12 @@ def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str
         "macro": MACRO,
     }
     network = Dynamics(**parameters)
-    losses = (
-        ("motion", network.motion, motion_loss(network, frames), Schedule(course.motion)),
-        ("appearance", network.appearance, appearance_loss(network, frames), Schedule(course.appearance, 1e-3, 1e-2)),
-        (
-            "estimate",
-            network.estimate,
-            estimate_loss(network, frames, sensed_still(SIZE)),
-            Schedule(course.estimate),
-        ),
-    )
-    for name, part, loss, schedule in losses:
-        fit(part, loss, schedule, course.seed, place.unfinished / name, _told(say, name))
-        part.requires_grad_(requires_grad=False)
-    network.eval().requires_grad_(requires_grad=False)
+    schedules = {
+        "motion": Schedule(course.motion),
+        "appearance": Schedule(course.appearance, 1e-3, 1e-2),
+        "estimate": Schedule(course.estimate),
+    }
+    _fitter(course, place, say).dynamics(network, frames, sensed_still(SIZE), schedules)
     metrics = imagining_metrics(network, load_windows(course, place, "held", seen, say))
     about = replace(
         card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, encoder=seen.identity, sees=_SEES,
@@ -147,10 +139,8 @@ def _events(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, 
     asked = _asked()
     parameters = {"facts": len(asked.names), **parameters}
     head = SceneEventHead(**parameters)
-    kept = place.unfinished / "events"
     loss = event_loss(head, sampler, asked.goals)
-    fit(head, loss, Schedule(course.events, 1e-3, 1e-2), course.seed, kept, _told(say, "events"))
-    head.eval().requires_grad_(requires_grad=False)
+    _fitter(course, place, say).fit("events", head, loss, Schedule(course.events, 1e-3, 1e-2))
     metrics: dict[str, float] = event_metrics(
         sampler.dynamics, head, asked, load_windows(course, place, "held", seen, say)
     )
@@ -168,9 +158,7 @@ def _facts(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, f
     units = np.maximum(sampler.data.margin.reshape(-1, len(names)).std(axis=0), 1e-3).round(4).tolist()
     parameters = {"facts": names, "units": units, **parameters}
     head = SceneFactHead(**parameters)
-    kept = place.unfinished / "facts"
-    fit(head, fact_loss(head, sampler), Schedule(course.facts, 1e-3, 1e-2), course.seed, kept, _told(say, "facts"))
-    head.eval().requires_grad_(requires_grad=False)
+    _fitter(course, place, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.facts, 1e-3, 1e-2))
     held = load_windows(course, place, "held", seen, say)
     calibrate(head, Sampler(sampler.dynamics, held).ends(np.arange(len(held))))
     metrics = fact_metrics(sampler.dynamics, head, _asked().facts, held)
@@ -183,13 +171,7 @@ def _for_heads(course: Course, place: Place, card: Card, say: Say) -> tuple[Samp
     """What draws a head's batches, what builds a head, a card that names what it was trained on, and the encoder."""
     seen, network, found = load_dynamics(place.folder)
     data = load_windows(course, place, "train", seen, say)
-    motion = found.card.parameters["motion"]
-    parameters = {
-        "centre": motion["centre"],
-        "scale": motion["scale"],
-        "features": network.appearance[-1].out_features,
-        "feature_scale": network.feature_scale,
-    }
+    parameters = head_parameters(network, found.card.parameters["motion"])
     about = replace(card, data={**card.data, "dynamics": found.identity}, encoder=seen.identity, sees=_LABELS)
     return Sampler(network, data), parameters, about, seen
 
@@ -209,5 +191,5 @@ def _of_split(course: Course, place: Place, split: str, say: Say) -> tuple[Filme
     return films
 
 
-def _told(say: Say, what: str) -> Callable[[int, float], None]:
-    return lambda step, loss: say(f"{what}: step {step:,}, loss {loss:.4f}") if step % 500 == 0 else None
+def _fitter(course: Course, place: Place, say: Say) -> Fitter:
+    return Fitter(place.unfinished, course.seed, say)

@@ -53,7 +53,10 @@ def test_an_interrupted_run_ends_as_one_that_was_not(tmp_path: Path, monkeypatch
     assert kept.exists()
     second = network()
     fit(second, loss_of(second), Schedule(60), 3, kept)
-    assert not kept.exists()
+    third, steps = network(), list[int]()
+    fit(third, loss_of(third), Schedule(60), 3, kept, lambda step, _loss: steps.append(step))
+    assert steps == []  # what is done is not done again
+    assert torch.equal(next(third.parameters()), next(second.parameters()))
     for one, other in zip(whole.parameters(), second.parameters(), strict=True):
         assert torch.equal(one, other)
 

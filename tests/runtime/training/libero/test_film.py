@@ -34,7 +34,8 @@ def test_a_film_is_of_the_recorded_moments_and_its_labels_are_the_native_verdict
     demo, asked, filmer = shot
     film = filmer.film(demo.start, np.asarray(demo.actions))
     recorded = sensed(*(demo.obs[key] for key in ("ee_pos", "ee_ori", "gripper_states")))
-    assert np.array_equal(film.proprio[2 : len(demo)], recorded[2:])
+    # Recorded on a processor of another maker, whose sums may differ in the last digit.
+    assert np.allclose(film.proprio[2 : len(demo)], recorded[2:], rtol=0, atol=1e-5)
     place = asked.names.index("on(akita_black_bowl_1, plate_1)")
     marks = np.arange(len(film.truth)) * 5
     held = film.truth[:, place]

@@ -1,0 +1,69 @@
+"""What the stages of every training share: the parts of a network fitted in turn, and kept until the stage is done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from grounding.world_model.dynamics import Dynamics
+from runtime.training.fit import Schedule, fit
+from runtime.training.frames import Frames
+from runtime.training.motion import appearance_loss, estimate_loss, motion_loss
+
+__all__ = ["Fitter", "Say", "head_parameters"]
+
+Say = Callable[[str], None]
+_PARTS = {"dynamics": ("motion", "appearance", "estimate"), "events": ("events",), "facts": ("facts",)}
+
+
+@dataclass(frozen=True, slots=True)
+class Fitter:
+    """Fits by ``seed``, and tells of each 500 steps; an interrupted fit, and one that is done, lie in ``folder``."""
+
+    folder: Path
+    seed: int
+    say: Say
+
+    def fit(
+        self, name: str, part: torch.nn.Module, loss: Callable[[torch.Generator], torch.Tensor], schedule: Schedule
+    ) -> None:
+        """Fit ``part`` and freeze it; raises as :func:`runtime.training.fit.fit`."""
+
+        def told(step: int, found: float) -> None:
+            if step % 500 == 0:
+                self.say(f"{name}: step {step:,}, loss {found:.4f}")
+
+        fit(part, loss, schedule, self.seed, self.folder / name, told)
+        part.eval().requires_grad_(requires_grad=False)
+
+    def dynamics(
+        self, network: Dynamics, frames: Frames, sensed: torch.Tensor, schedules: Mapping[str, Schedule]
+    ) -> None:
+        """Fit motion, appearance and estimate, each by its schedule, with what is fitted already."""
+        parts = {
+            "motion": (network.motion, motion_loss(network, frames)),
+            "appearance": (network.appearance, appearance_loss(network, frames)),
+            "estimate": (network.estimate, estimate_loss(network, frames, sensed)),
+        }
+        for name, (part, loss) in parts.items():
+            self.fit(name, part, loss, schedules[name])
+        network.eval().requires_grad_(requires_grad=False)
+
+    def forget(self, stage: str) -> None:
+        """Remove what was kept of ``stage``, whose checkpoint is written."""
+        for name in _PARTS.get(stage, ()):
+            (self.folder / name).unlink(missing_ok=True)
+
+
+def head_parameters(dynamics: Dynamics, motion: Mapping[str, Any]) -> dict[str, Any]:
+    """What builds a head that reads what ``dynamics``, of the parameters ``motion``, imagine."""
+    return {
+        "centre": motion["centre"],
+        "scale": motion["scale"],
+        "features": dynamics.appearance[-1].out_features,
+        "feature_scale": dynamics.feature_scale,
+    }

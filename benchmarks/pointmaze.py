@@ -1,6 +1,6 @@
 """PointMaze: planners in a world model, compared on the same trials and budgets, over three trained models.
 
-The trials are the 50 published ones and 200 fresh ones of the same kind, numbers 250 and up: those between were looked
+The trials are the 50 published ones and 300 fresh ones of the same kind, numbers 250 and up: those between were looked
 at while the rows were made, and are in no table. What verifies is the true state: a trial is a
 success within 0.5 m of the target, and its distance is that over (x, y, vx, vy) at its end. Predictions are counted
 apart: for each executed plan, what was predicted of its end and what the simulator showed of it.
@@ -35,7 +35,7 @@ from runtime.trace.file import write_trace
 
 __all__ = ["BLOCKS", "COMPARED", "POINTMAZE", "SPEED_METRICS", "TRACES", "fact_names"]
 
-BLOCKS = {"published": range(PUBLISHED), "fresh": range(250, 450)}
+BLOCKS = {"published": range(PUBLISHED), "fresh": range(250, 550)}
 SMALL = 2
 """Trials of each row, with the first model."""
 TRACES = Path("out/bench/pointmaze")

@@ -53,7 +53,7 @@ def test_comparisons_are_of_rows_that_exist():
 def test_every_row_is_run_on_every_trial_and_what_asks_no_model_once():
     full = [trial for trial in POINTMAZE.trials(True) if trial["row"] != "speed"]
     learned = sum(row.learned for row in ROWS.values())
-    assert len(full) == 250 * (3 * learned + len(ROWS) - learned)
+    assert len(full) == 350 * (3 * learned + len(ROWS) - learned)
     assert len({trial["key"] for trial in full}) == len(full)
 
 

@@ -27,10 +27,12 @@ def rate(metrics: Mapping[str, float], name: str) -> str:
 
 def origin(result: Mapping[str, Any]) -> str:
     """Command, commit, date, seeds and machine of a result; before it, how its parts came about that were run apart."""
-    parts = "; ".join(
-        f"`{name}`: `{part['command']}` at commit `{part['commit'][:12]}` on {part['date'][:10]}"
-        for name, part in result.get("parts", {}).items()
-    )
+    runs: dict[str, list[str]] = {}
+    for name, part in result.get("parts", {}).items():
+        on = f" on {part['cpu']}" if "cpu" in part else ""
+        told = f"`{part['command']}` at commit `{part['commit'][:12]}` on {part['date'][:10]}{on}"
+        runs.setdefault(told, []).append(f"`{name}`")
+    parts = "; ".join(f"{', '.join(names)}: {told}" for told, names in runs.items())
     machine = result["machine"]
     versions = ", ".join(f"{name} {number}" for name, number in machine["versions"].items())
     made = (

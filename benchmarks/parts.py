@@ -12,7 +12,7 @@ from onto_compiler.problems import OntoError, near
 
 __all__ = ["chosen_trials", "joined"]
 
-Made = Mapping[str, Any]  # how a part was made: command, commit, dirty, date
+Made = Mapping[str, Any]  # how a part was made: command, commit, dirty, date, and the processor
 
 
 def chosen_trials(protocol: Protocol, trials: Sequence[Trial], names: Sequence[str]) -> Sequence[Trial]:

@@ -16,6 +16,13 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/demos.md").read_text()
 
 
+def without_drift(text: str) -> str:
+    """``text``, whose largest drift is less than 1e-4: the page was written on a processor of its own."""
+    found = re.search(r"largest drift ([\d.e-]+)", text)
+    assert found and float(found[1]) < 1e-4
+    return text.replace(found[0], "")
+
+
 def test_the_session_prints_what_the_page_shows(monkeypatch, capsys):
     from runtime.cli import main
 
@@ -24,7 +31,7 @@ def test_the_session_prints_what_the_page_shows(monkeypatch, capsys):
     commands = re.findall(r"^\$ onto (.*)$", session, re.MULTILINE)
     assert len(commands) == 2
     assert [main(shlex.split(command)) for command in commands] == [0, 0]
-    assert capsys.readouterr().out == re.sub(r"(?m)^\$ .*\n", "", session)
+    assert without_drift(capsys.readouterr().out) == without_drift(re.sub(r"(?m)^\$ .*\n", "", session))
 
 
 def test_the_program_prints_what_the_page_shows():

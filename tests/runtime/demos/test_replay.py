@@ -10,14 +10,28 @@ h5py = pytest.importorskip("h5py")
 pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("demos")]
 
 
-def test_every_demonstration_succeeds_natively_at_its_own_step_and_without_drift(sample):
+ELSEWHERE = 1e-4
+"""What the last digits of another processor's sums may grow to; the sample was recorded on one."""
+
+
+def test_every_demonstration_succeeds_natively_at_its_own_step(sample):
     from runtime.demos.replay import replay
 
     found = list(replay(sample))
     assert [one.recorded for one in found] == [237, 78]
     for one in found:
         assert one.reached == one.recorded > 0
-        assert (one.same, one.holds, one.whole, one.drift) == (True, True, True, 0.0)
+        assert (one.same, one.holds, one.whole) == (True, True, True)
+        assert one.drift < ELSEWHERE
+
+
+def test_where_it_was_made_a_demonstration_is_replayed_without_drift(collected, order):
+    from runtime.demos.replay import replay
+
+    del collected
+    (file,) = order.folder.rglob("*.hdf5")
+    (found,) = replay(file)
+    assert (found.same, found.holds, found.whole, found.drift) == (True, True, True, 0.0)
 
 
 def test_a_replay_tells_when_an_action_is_missing_or_the_record_is_wrong(sample, tmp_path):

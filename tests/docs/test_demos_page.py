@@ -19,7 +19,8 @@ PAGE = (ROOT / "docs/demos.md").read_text()
 def without_drift(text: str) -> str:
     """``text``, whose largest drift is less than 1e-4: the page was written on a processor of its own."""
     found = re.search(r"largest drift ([\d.e-]+)", text)
-    assert found and float(found[1]) < 1e-4
+    assert found
+    assert float(found[1]) < 1e-4
     return text.replace(found[0], "")
 
 

@@ -1,9 +1,10 @@
 """Diagnosis-guided search: while the best plan's predicted facts miss the goal, the rules say what to try (plan level).
 
 Algorithm 1 of the paper on predictions: a plan whose facts all hold is retained, which is no success. Plans are
-compared success first: fewer facts that are false, then less that margins lack of what is required, then less cost, as
-:meth:`runtime.planning.question.Question.judged` has them. The controls differ in one thing: what is tried is drawn at
-random, whatever the diagnosis says.
+compared success first: fewer facts that are false, then fewer steps, then less that margins lack of what is required,
+then less cost, as :meth:`runtime.planning.question.Question.judged` has them. So a longer plan, which takes the time
+that another look and another plan would have, must make more facts true. The controls differ in one thing: what is tried is
+drawn at random, whatever the diagnosis says.
 """
 
 from __future__ import annotations
@@ -99,7 +100,7 @@ def improve(
             continue
         spent += answer.evaluations + COPIES
         there, cost = question.judged(answer)
-        better = _standing(required, there, cost) < _standing(required, seen, price)
+        better = _standing(required, answer, there, cost) < _standing(required, best, seen, price)
         tried.append(Tried(seen, diagnosis, decision, name, answer.evaluations, better=better, observation=there))
         if better:
             best, seen, price = answer, there, cost
@@ -109,13 +110,13 @@ def improve(
     return Searched(best, seen, not unmet(required, seen), spent, tuple(tried))
 
 
-def _standing(required: RequiredABox, seen: Observation, cost: float) -> tuple[int, float, float]:
+def _standing(required: RequiredABox, plan: Found, seen: Observation, cost: float) -> tuple[int, int, float, float]:
     """What plans are compared by, the less the better."""
     lack = 0.0
     for index, fact in enumerate(required.facts):
         margin = float(seen.margin[index]) * (1 if fact.polarity else -1)
         lack += max(fact.threshold - margin, 0.0)
-    return len(required.facts) - _true(required, seen), lack, cost
+    return len(required.facts) - _true(required, seen), len(plan.actions), lack, cost
 
 
 def _true(required: RequiredABox, seen: Observation) -> int:

@@ -161,6 +161,17 @@ def test_a_plan_that_lacks_less_wins_over_a_cheaper_one():
     assert [tried.better for tried in found.tried] == [False, True]
 
 
+def test_a_longer_plan_must_make_more_facts_true():
+    longer = [
+        Found(torch.full((50, 2), value), 0.1, 100, Region(torch.zeros(50, 2), torch.ones(50, 2)))
+        for value in (-0.1, 0.5)
+    ]
+    answers = iter(longer)
+    found = guided(plan(-0.5, cost=1.0), {}, allowance=200, instead={"any": lambda *_: next(answers)})
+    assert [tried.better for tried in found.tried] == [False, True]
+    assert found.retained
+
+
 def test_where_one_fact_cannot_be_bettered_another_has_its_turn():
     asked = []
 

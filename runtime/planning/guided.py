@@ -3,8 +3,8 @@
 Algorithm 1 of the paper on predictions: a plan whose facts all hold is retained, which is no success. Plans are
 compared success first: fewer facts that are false, then fewer steps, then less that margins lack of what is required,
 then less cost, as :meth:`runtime.planning.question.Question.judged` has them. So a longer plan, which takes the time
-that another look and another plan would have, must make more facts true. The controls differ in one thing: what is tried is
-drawn at random, whatever the diagnosis says.
+that another look and another plan would have, must make more facts true. The controls differ in one thing: what is
+tried is drawn at random, whatever the diagnosis says.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import torch
@@ -40,10 +40,12 @@ def fit(
     seed: int,
     kept: Path,
     say: Callable[[int, float], None] = lambda _step, _loss: None,
+    source: str = "",
 ) -> None:
     """Minimise ``loss`` over the trainable weights of ``module``, in place; ``kept`` is where an interrupted run lies.
 
     ``say(step, loss)`` is told of the progress. A fit that is done lies in ``kept`` too, and is not done again.
+    ``source`` says what the loss is made of; what another one, another seed or schedule left there is not gone on with.
 
     Raises:
         OntoError: ``WM005`` where the loss stops being a finite number, ``WM006`` where ``kept`` cannot be written,
@@ -51,7 +53,7 @@ def fit(
     """
     trained = {name: weight for name, weight in module.named_parameters() if weight.requires_grad}
     optimiser = torch.optim.AdamW(trained.values(), lr=schedule.rate, weight_decay=schedule.decay, fused=True)
-    about = Card(_ARCHITECTURE, {"steps": schedule.steps, "rate": schedule.rate, "decay": schedule.decay}, seed=seed)
+    about = Card(_ARCHITECTURE, {**asdict(schedule), "source": source}, seed=seed)
     begin = _resumed(trained, optimiser, kept, about)
     written = time.monotonic()
     for step in range(begin, schedule.steps):
@@ -81,7 +83,7 @@ def _state(
 
 
 def _resumed(trained: dict[str, torch.nn.Parameter], optimiser: torch.optim.Optimizer, kept: Path, about: Card) -> int:
-    """The step to go on from: 0, or that of the file ``kept``, if it is of this schedule and seed."""
+    """The step to go on from: 0, or that of the file ``kept``, if it is of this schedule, seed and source."""
     if not kept.exists():
         return 0
     found = load(kept, _ARCHITECTURE)

@@ -76,7 +76,7 @@ def train(stage: str, course: Course, folder: Path, command: str, commit: str, s
     card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
     metrics = makers[stage](course, folder, card, say)
-    _fitter(course, folder, say).forget(stage)
+    _fitter(folder, card, say).forget(stage)
     return metrics
 
 
@@ -116,11 +116,12 @@ def _dynamics(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str
         "appearance": Schedule(course.appearance, rate=1e-3),
         "estimate": Schedule(course.estimate),
     }
-    _fitter(course, folder, say).dynamics(network, frames, torch.tensor(POSITION), schedules)
+    card = replace(card, encoder=seen.identity)
+    _fitter(folder, card, say).dynamics(network, frames, torch.tensor(POSITION), schedules)
     metrics = _imagining(network, _frames(course, "test", seen, folder, say))
     about = replace(
-        card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, encoder=seen.identity,
-        sees="pixels, proprioception", metrics=metrics,
+        card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, sees="pixels, proprioception",
+        metrics=metrics,
     )  # fmt: skip
     save(folder / FILES["dynamics"], network.state_dict(), about)
     return metrics
@@ -129,7 +130,7 @@ def _dynamics(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str
 def _events(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
     sampler, parameters, card = _for_heads(course, folder, "train", card, say)
     head = EventHead(**parameters)
-    _fitter(course, folder, say).fit("events", head, event_loss(head, sampler), Schedule(course.heads))
+    _fitter(folder, card, say).fit("events", head, event_loss(head, sampler), Schedule(course.heads))
     ends = _tested(course, folder, say)
     found = head(*ends.read)
     success = (ends.margins[:, sampler.labels.success] > 0).numpy()
@@ -151,7 +152,7 @@ def _facts(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, f
     names = [local_name(fact.predicate) for fact in required_facts(load_knowledge()).facts]
     parameters = {"facts": names, **parameters}
     head = FactHead(**parameters)
-    _fitter(course, folder, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.heads))
+    _fitter(folder, card, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.heads))
     ends = _tested(course, folder, say)
     margin, logit = head(*ends.read)
     truth, score = (ends.margins > 0).numpy(), logit.sigmoid().numpy()
@@ -232,5 +233,5 @@ def _frames(course: Course, split: Split, seen: Projected, folder: Path, say: Sa
     return Frames(found.states.astype(np.float32), found.actions.astype(np.float32), features)
 
 
-def _fitter(course: Course, folder: Path, say: Say) -> Fitter:
-    return Fitter(folder / "unfinished", course.seed, say)
+def _fitter(folder: Path, card: Card, say: Say) -> Fitter:
+    return Fitter(folder / "unfinished", card, say)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 
 import torch
 
+from grounding.world_model.checkpoint import Card
 from grounding.world_model.dynamics import Dynamics
 from runtime.training.fit import Schedule, fit
 from runtime.training.frames import Frames
@@ -22,10 +24,10 @@ _PARTS = {"dynamics": ("motion", "appearance", "estimate"), "events": ("events",
 
 @dataclass(frozen=True, slots=True)
 class Fitter:
-    """Fits by ``seed``, and tells of each 500 steps; an interrupted fit, and one that is done, lie in ``folder``."""
+    """Fits what ``card`` tells of, by its seed; an interrupted fit, and one that is done, lie in ``folder``."""
 
     folder: Path
-    seed: int
+    card: Card
     say: Say
 
     def fit(
@@ -37,7 +39,8 @@ class Fitter:
             if step % 500 == 0:
                 self.say(f"{name}: step {step:,}, loss {found:.4f}")
 
-        fit(part, loss, schedule, self.seed, self.folder / name, told)
+        source = json.dumps([self.card.data, self.card.encoder], sort_keys=True)
+        fit(part, loss, schedule, self.card.seed or 0, self.folder / name, told, source)
         part.eval().requires_grad_(requires_grad=False)
 
     def dynamics(

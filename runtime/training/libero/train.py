@@ -69,7 +69,7 @@ def train(stage: str, course: Course, place: Place, command: str, commit: str, s
     card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
     metrics = makers[stage](course, place, card, say)
-    _fitter(course, place, say).forget(stage)
+    _fitter(place, card, say).forget(stage)
     return metrics
 
 
@@ -124,12 +124,10 @@ def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str
         "appearance": Schedule(course.appearance, 1e-3, 1e-2),
         "estimate": Schedule(course.estimate),
     }
-    _fitter(course, place, say).dynamics(network, frames, sensed_still(SIZE), schedules)
+    card = replace(card, encoder=seen.identity)
+    _fitter(place, card, say).dynamics(network, frames, sensed_still(SIZE), schedules)
     metrics = imagining_metrics(network, load_windows(course, place, "held", seen, say))
-    about = replace(
-        card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, encoder=seen.identity, sees=_SEES,
-        metrics=metrics,
-    )  # fmt: skip
+    about = replace(card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, sees=_SEES, metrics=metrics)
     save(place.folder / FILES["dynamics"], network.state_dict(), about)
     return metrics
 
@@ -140,7 +138,7 @@ def _events(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, 
     parameters = {"facts": len(asked.names), **parameters}
     head = SceneEventHead(**parameters)
     loss = event_loss(head, sampler, asked.goals)
-    _fitter(course, place, say).fit("events", head, loss, Schedule(course.events, 1e-3, 1e-2))
+    _fitter(place, card, say).fit("events", head, loss, Schedule(course.events, 1e-3, 1e-2))
     metrics: dict[str, float] = event_metrics(
         sampler.dynamics, head, asked, load_windows(course, place, "held", seen, say)
     )
@@ -158,7 +156,7 @@ def _facts(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, f
     units = np.maximum(sampler.data.margin.reshape(-1, len(names)).std(axis=0), 1e-3).round(4).tolist()
     parameters = {"facts": names, "units": units, **parameters}
     head = SceneFactHead(**parameters)
-    _fitter(course, place, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.facts, 1e-3, 1e-2))
+    _fitter(place, card, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.facts, 1e-3, 1e-2))
     held = load_windows(course, place, "held", seen, say)
     calibrate(head, Sampler(sampler.dynamics, held).ends(np.arange(len(held))))
     metrics = fact_metrics(sampler.dynamics, head, _asked().facts, held)
@@ -191,5 +189,5 @@ def _of_split(course: Course, place: Place, split: str, say: Say) -> tuple[Filme
     return films
 
 
-def _fitter(course: Course, place: Place, say: Say) -> Fitter:
-    return Fitter(place.unfinished, course.seed, say)
+def _fitter(place: Place, card: Card, say: Say) -> Fitter:
+    return Fitter(place.unfinished, card, say)

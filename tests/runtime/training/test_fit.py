@@ -61,6 +61,14 @@ def test_an_interrupted_run_ends_as_one_that_was_not(tmp_path: Path, monkeypatch
         assert torch.equal(one, other)
 
 
+def test_what_was_fitted_to_other_data_is_fitted_again(tmp_path: Path):
+    kept, steps = tmp_path / "kept", list[int]()
+    for source in ("one", "one", "other"):
+        module = network()
+        fit(module, loss_of(module), Schedule(100), 3, kept, lambda step, _loss: steps.append(step), source)
+    assert steps == [100, 100]
+
+
 def test_what_another_seed_kept_is_not_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(fitting, "_KEPT_EVERY", 0.0)
     kept, module = tmp_path / "kept", network()

@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import torch
@@ -100,11 +100,10 @@ def encoded(
     width = int(np.prod(encoder.shape))
     key = hashlib.sha256(json.dumps([asdict(source), len(states), encoder.identity]).encode()).hexdigest()
     note = kept.with_suffix(".json")
-    done = _done(note, key) if kept.exists() else 0
     kept.parent.mkdir(parents=True, exist_ok=True)
-    shape = (len(states), width)
-    held = np.lib.format.open_memmap(kept, mode="r+") if done else None
-    if held is None or held.shape != shape:
+    shape, done = (len(states), width), _done(note, key)
+    held = _opened(kept, shape) if done else None
+    if held is None:
         held, done = np.lib.format.open_memmap(kept, mode="w+", dtype=np.float32, shape=shape), 0
     while done < len(states):
         rows = slice(done, min(done + _CHUNK, len(states)))
@@ -124,6 +123,16 @@ def _done(note: Path, key: str) -> int:
         return int(about["done"]) if about["key"] == key else 0
     except (OSError, ValueError, KeyError, TypeError):
         return 0
+
+
+def _opened(kept: Path, shape: tuple[int, int]) -> np.memmap[Any, np.dtype[Any]] | None:
+    """What lies in ``kept``; None where that is not whole, or of another shape."""
+    try:
+        size = kept.stat().st_size  # opened to be written to, a file that was cut off grows to its length
+        held = np.lib.format.open_memmap(kept, mode="r+")
+    except (OSError, ValueError):
+        return None
+    return held if held.shape == shape and size == held.offset + held.nbytes else None
 
 
 def segments(frames: Frames, random: np.random.Generator, count: int, horizon: int) -> tuple[Indices, Indices]:

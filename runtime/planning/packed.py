@@ -1,4 +1,4 @@
-"""Networks whose weights lie as oneDNN wants them: the same function in less time, most of all with AVX-512.
+"""Networks whose weights lie as oneDNN wants them: the same function, in less time where MKL is slow.
 
 Torch gives products of 32-bit matrices to MKL, which on processors of other makers than its own uses half of their
 width; and it walks through a network layer by layer, all members at once, so that what lies between leaves the cache.

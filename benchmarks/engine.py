@@ -57,8 +57,14 @@ def _read(path: Path) -> Iterator[tuple[str, list[Row]]]:
 
 
 def _run_all(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator[tuple[str, list[Row]]]:
-    if jobs <= 1 or len(trials) <= 1 or protocol.alone:
-        yield from (_run_one(protocol, trial) for trial in trials)
+    together = [] if jobs <= 1 or len(trials) <= 1 else [trial for trial in trials if not protocol.alone(trial)]
+    yield from _run_together(protocol, together, jobs)
+    started = {trial["key"] for trial in together}
+    yield from (_run_one(protocol, trial) for trial in trials if trial["key"] not in started)
+
+
+def _run_together(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator[tuple[str, list[Row]]]:
+    if not trials:
         return
     # spawn: MuJoCo and Oxigraph hold threads, which a fork would cut in half.
     with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:

@@ -63,15 +63,20 @@ def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signatur
         for name, row in ROWS.items()
         for seed, number in product(SEEDS if row.learned and full else SEEDS[:1], numbers)
     ]
-    timed: list[Trial] = [
+    measured: list[Trial] = [
         {"key": f"{_SPEED}/{what}", "row": _SPEED, "measured": what} for what in (_TIMED if full else _TIMED[:1])
     ]
-    return played + timed
+    return played + measured
+
+
+def timed(trial_: Trial) -> bool:
+    """Whether the trial is how long something takes, and not a row of the table."""
+    return bool(trial_["row"] == _SPEED)
 
 
 def run(trial_: Trial) -> list[Row]:
     """One trial, or one thing that is timed."""
-    if trial_["row"] == _SPEED:
+    if timed(trial_):
         return [_timed(trial_["measured"])]
     torch.set_num_threads(1)
     name, seed, number = trial_["row"], trial_["model"], trial_["trial"]
@@ -215,5 +220,6 @@ POINTMAZE = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    alone=timed,
     parts="row",
 )

@@ -9,11 +9,21 @@ from typing import Any
 
 from onto_compiler.problems import OntoError, near
 
-__all__ = ["GROUP", "Protocol", "Row", "Trial", "load_protocols", "protocol_named"]
+__all__ = ["GROUP", "Protocol", "Row", "Trial", "alone", "load_protocols", "protocol_named"]
 
 GROUP = "onto_evwm.protocols"
 Row = dict[str, Any]
 Trial = Mapping[str, Any]  # must be picklable, and its ``key`` unique within the protocol
+
+
+def _together(_trial: Trial) -> bool:
+    """What most trials are: none of them minds the others."""
+    return False
+
+
+def alone(_trial: Trial) -> bool:
+    """What each trial of a protocol is that times everything it runs."""
+    return True
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +32,9 @@ class Protocol:
 
     ``run`` is called by name in a fresh process, so it is a module-level function; most trials give one row. Each row
     holds its ``mode`` (``none``, ``state`` or ``controller``) and what it ``sees``; the engine adds the trial to it.
-    Trials that are timed run ``alone``: one after another, however many processes there might be. ``parts`` names the
-    field of a trial by whose values the protocol can be run part by part (``onto bench NAME --part VALUE``).
+    Trials that are timed run ``alone``: in this process, one after another, when all others are done, however many
+    processes there might be. ``parts`` names the field of a trial by whose values the protocol can be run part by part
+    (``onto bench NAME --part VALUE``).
     """
 
     name: str
@@ -32,7 +43,7 @@ class Protocol:
     trials: Callable[[bool], Sequence[Trial]]
     run: Callable[[Trial], Sequence[Row]]
     metrics: Callable[[Sequence[Row]], Mapping[str, float]]
-    alone: bool = False
+    alone: Callable[[Trial], bool] = _together
     parts: str = ""
 
 

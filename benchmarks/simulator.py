@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.protocol import Protocol, Row, Trial
+from benchmarks.protocol import Protocol, Row, Trial, alone
 from benchmarks.simulator_processes import in_process, together
 from benchmarks.simulator_task import measure_task, rolled_out
 
@@ -192,5 +192,5 @@ SIMULATOR = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
-    alone=True,
+    alone=alone,
 )

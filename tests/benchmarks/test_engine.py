@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.engine import run_protocol
 from benchmarks.intervals import wilson
-from benchmarks.protocol import Protocol
+from benchmarks.protocol import Protocol, alone
 from benchmarks.results import read_result, write_result
 from onto_compiler.problems import OntoError
 
@@ -20,6 +20,10 @@ def square(trial):
     if trial["n"] == 3:
         raise ValueError("three is broken")
     return [{"square": trial["n"] ** 2, "mode": "none", "sees": "privileged-state"}]
+
+
+def timed(trial):
+    return trial["n"] in {0, 4}
 
 
 def total(rows):
@@ -50,14 +54,22 @@ def test_rows_come_in_the_order_of_the_trials_and_a_crash_is_one_of_them(tmp_pat
 
 
 def test_processes_give_what_one_process_gives(tmp_path):
-    alone, together = run(tmp_path / "a.jsonl"), run(tmp_path / "b.jsonl", jobs=2)
-    timeless = [[{k: v for k, v in row.items() if k != "seconds"} for row in rows] for rows in (alone, together)]
+    one, two = run(tmp_path / "a.jsonl"), run(tmp_path / "b.jsonl", jobs=2)
+    timeless = [[{k: v for k, v in row.items() if k != "seconds"} for row in rows] for rows in (one, two)]
     assert timeless[0] == timeless[1]
 
 
 def test_trials_that_run_alone_stay_in_one_process(tmp_path):
-    run(tmp_path / "rows.jsonl", jobs=2, protocol=dataclasses.replace(PROTOCOL, alone=True))
+    run(tmp_path / "rows.jsonl", jobs=2, protocol=dataclasses.replace(PROTOCOL, alone=alone))
     assert [trial["key"] for trial in TRIALS] == CALLS
+
+
+def test_what_is_timed_waits_for_what_is_not(tmp_path):
+    path = tmp_path / "rows.jsonl"
+    rows = run(path, jobs=2, protocol=dataclasses.replace(PROTOCOL, alone=timed))
+    assert CALLS == ["t0", "t4"]
+    assert [json.loads(line)[0] for line in path.read_text().splitlines()][-2:] == CALLS
+    assert [row["key"] for row in rows] == [trial["key"] for trial in TRIALS]
 
 
 def test_a_run_resumes_where_it_stopped(tmp_path):

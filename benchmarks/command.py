@@ -55,7 +55,7 @@ def _measure(protocol: Protocol, options: argparse.Namespace) -> dict[str, Any]:
 
     from benchmarks.engine import run_protocol  # noqa: PLC0415
     from benchmarks.parts import chosen_trials, joined  # noqa: PLC0415
-    from benchmarks.results import RESULTS, changed, git, machine, made_by, read_result, write_result  # noqa: PLC0415
+    from benchmarks.results import RESULTS, changed, git, made_by, processors, read_result, write_result  # noqa: PLC0415
 
     size = "full" if options.full else "small"
     # Rows are resumed only where the code that made them is the code that runs now.
@@ -74,7 +74,7 @@ def _measure(protocol: Protocol, options: argparse.Namespace) -> dict[str, Any]:
     folder = RESULTS if options.full else options.out
     parts = None
     if protocol.parts:
-        made = made_by(command) | {"cpu": machine()["cpu"]}
+        made = made_by(command) | processors()
         rows, parts = joined(folder / f"{protocol.name}.json", protocol, every, rows, made)
     path = write_result(folder, protocol, rows, command, parts=parts)
     sys.stderr.write(f"wrote {path}\n")

@@ -29,7 +29,7 @@ def origin(result: Mapping[str, Any]) -> str:
     """Command, commit, date, seeds and machine of a result; before it, how its parts came about that were run apart."""
     runs: dict[str, list[str]] = {}
     for name, part in result.get("parts", {}).items():
-        on = f" on {part['cpu']}" if "cpu" in part else ""
+        on = f" on {_processors(part)}" if "cpu" in part else ""
         told = f"`{part['command']}` at commit `{part['commit'][:12]}` on {part['date'][:10]}{on}"
         runs.setdefault(told, []).append(f"`{name}`")
     parts = "; ".join(f"{', '.join(names)}: {told}" for told, names in runs.items())
@@ -37,6 +37,10 @@ def origin(result: Mapping[str, Any]) -> str:
     versions = ", ".join(f"{name} {number}" for name, number in machine["versions"].items())
     made = (
         f"Made by `{result['command']}` at commit `{result['commit'][:12]}` on {result['date'][:10]}, seed "
-        f"{', '.join(map(str, result['seeds']))}; {machine['cpu']}, {machine['cores']} cores; {versions}."
+        f"{', '.join(map(str, result['seeds']))}; {_processors(machine)}, {machine['cores']} cores; {versions}."
     )
     return f"{parts}.\n\n{made}" if parts else made
+
+
+def _processors(machine: Mapping[str, Any]) -> str:
+    return " and ".join(machine[kind] for kind in ("cpu", "gpu") if kind in machine)

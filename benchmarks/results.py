@@ -6,6 +6,7 @@ import gzip
 import json
 import os
 import platform
+import sys
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,7 +16,7 @@ from benchmarks.protocol import Protocol, Row
 from onto_compiler import versions
 from onto_compiler.versions import version_of
 
-__all__ = ["RESULTS", "changed", "git", "machine", "made_by", "read_result", "write_result"]
+__all__ = ["RESULTS", "changed", "git", "machine", "made_by", "processors", "read_result", "write_result"]
 
 RESULTS = Path(__file__).resolve().parent / "results"
 _MANY = 200  # rows; more go to a compressed file beside the result
@@ -80,14 +81,21 @@ def read_result(path: Path) -> dict[str, Any]:
 
 
 def machine() -> dict[str, Any]:
-    """Processor, cores and the versions of what decides a number."""
+    """Processors, cores and the versions of what decides a number."""
     return {
-        "cpu": _cpu(),
+        **processors(),
         "cores": os.cpu_count(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
         "versions": {name: found for name in _PACKAGES if (found := version_of(name))},
     }
+
+
+def processors() -> dict[str, str]:
+    """What computes: the ``cpu``, and a ``gpu`` where torch finds one; what has not imported torch uses none."""
+    torch = sys.modules.get("torch")
+    gpu = {"gpu": torch.cuda.get_device_name()} if torch is not None and torch.cuda.is_available() else {}
+    return {"cpu": _cpu(), **gpu}
 
 
 def _cpu() -> str:

@@ -39,9 +39,9 @@ def test_parts_that_were_run_apart_are_named_before_the_whole():
     part = {"command": "onto bench skills --full --part goal", "commit": "fedcba9876543210", "date": "2026-01-01"}
     told = "`goal`: `onto bench skills --full --part goal` at commit `fedcba987654` on 2026-01-01."
     assert origin(MADE | {"parts": {"goal": part}}) == f"{told}\n\n{whole}"
-    later = part | {"date": "2026-01-03", "cpu": "another"}
+    later = part | {"date": "2026-01-03", "cpu": "another", "gpu": "a card"}
     told = (
         "`goal`, `spatial`: `onto bench skills --full --part goal` at commit `fedcba987654` on 2026-01-01; "
-        "`object`: `onto bench skills --full --part goal` at commit `fedcba987654` on 2026-01-03 on another."
+        "`object`: `onto bench skills --full --part goal` at commit `fedcba987654` on 2026-01-03 on another and a card."
     )
     assert origin(MADE | {"parts": {"goal": part, "object": later, "spatial": part}}) == f"{told}\n\n{whole}"

@@ -24,6 +24,7 @@ from runtime.pointmaze.maze import ACTION_DIM, MACRO_STEPS, STATE_DIM
 from runtime.pointmaze.trials import PUBLISHED, trial
 from runtime.training import STAGES
 from runtime.training.pointmaze import Course, train
+from runtime.training.stages import Place
 
 __all__ = ["from_nothing_minutes", "grounding_ms", "table_minutes"]
 
@@ -69,7 +70,7 @@ def from_nothing_minutes() -> tuple[float, float]:
         folder, begun = Path(scratch), time.perf_counter()
         torch.set_num_threads(cpu_count() or 1)
         for stage in STAGES:
-            train(stage, Course(seed=_SEED), folder, "", "", lambda _text: None)
+            train(stage, Course(seed=_SEED), Place(folder), "", "", lambda _text: None)
         return (time.perf_counter() - begun) / 60, table_minutes(folder)
 
 

@@ -68,20 +68,21 @@ def _run(options: argparse.Namespace) -> int:
 
 def _pointmaze(options: argparse.Namespace, folder: Path) -> Stage:
     from runtime.training.pointmaze import Course, train  # noqa: PLC0415 - as above
+    from runtime.training.stages import Place  # noqa: PLC0415
 
-    course = Course(seed=options.seed)
-    return lambda stage, command, commit, say: train(stage, course, folder, command, commit, say)
+    course, place = Course(seed=options.seed), Place(folder)
+    return lambda stage, command, commit, say: train(stage, course, place, command, commit, say)
 
 
 def _libero(options: argparse.Namespace, folder: Path) -> Stage:
     from onto_compiler.batch import available_jobs  # noqa: PLC0415 - as above
     from runtime.training.libero.course import Course  # noqa: PLC0415
-    from runtime.training.libero.train import Place, train  # noqa: PLC0415
+    from runtime.training.libero.train import FilmPlace, train  # noqa: PLC0415
 
     if options.count is not None and options.count < 1:
         raise OntoError.of("CLI002", f"--count must be at least 1, and is {options.count}")
     course = Course(seed=options.seed) if options.count is None else Course(seed=options.seed, demos=options.count)
-    place = Place(folder, folder.parent / "data", options.demos, options.threads or available_jobs())
+    place = FilmPlace(folder, folder.parent / "data", options.demos, options.threads or available_jobs())
     return lambda stage, command, commit, say: train(stage, course, place, command, commit, say)
 
 

@@ -94,8 +94,8 @@ def _resumed(trained: dict[str, torch.nn.Parameter], optimiser: torch.optim.Opti
         for name, weight in trained.items():
             weight.copy_(found.tensors[f"weight.{name}"])
             optimiser.state[weight] = {
-                "step": torch.tensor(float(step)),
-                "exp_avg": found.tensors[f"exp_avg.{name}"].clone(),
-                "exp_avg_sq": found.tensors[f"exp_avg_sq.{name}"].clone(),
+                "step": torch.tensor(float(step), device=weight.device),
+                "exp_avg": found.tensors[f"exp_avg.{name}"].to(weight, copy=True),
+                "exp_avg_sq": found.tensors[f"exp_avg_sq.{name}"].to(weight, copy=True),
             }
     return step

@@ -41,11 +41,15 @@ class Piece:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frames:
-    """``states`` (N, T + 1, P), ``actions`` (N, T, A) by environment steps; ``features`` (N, K + 1, D) by macro."""
+    """``states`` (N, T + 1, P), ``actions`` (N, T, A) by environment steps; ``features`` (N, K + 1, D) by macro.
+
+    They lie in main memory, and what is drawn of them on ``device``.
+    """
 
     states: NDArray[np.float32]
     actions: NDArray[np.float32]
     features: Features
+    device: str = "cpu"
 
     @property
     def marks(self) -> NDArray[np.float32]:
@@ -57,10 +61,14 @@ class Frames:
         row, marks = which[:, None], mark[:, None] + np.arange(horizon + 1)
         steps = mark[:, None] * MACRO_STEPS + np.arange(horizon * MACRO_STEPS)
         return Piece(
-            torch.from_numpy(self.marks[row, marks]),
-            torch.from_numpy(np.asarray(self.features[row, marks])),
-            torch.from_numpy(self.actions[row, steps]).unflatten(1, (horizon, MACRO_STEPS)),
+            self.tensor(self.marks[row, marks]),
+            self.tensor(np.asarray(self.features[row, marks])),
+            self.tensor(self.actions[row, steps]).unflatten(1, (horizon, MACRO_STEPS)),
         )
+
+    def tensor(self, values: NDArray[Any]) -> torch.Tensor:
+        """``values`` on :attr:`device`."""
+        return torch.from_numpy(values).to(self.device)
 
     def past(self, which: Indices, mark: Indices, length: int, age: Indices) -> tuple[torch.Tensor, torch.Tensor]:
         """Proprioception (B, K, P) and actions (B, K - 1, macro, A) of the ``length`` K macro steps up to ``mark``.
@@ -75,7 +83,7 @@ class Frames:
         steps = marks[:, :-1, None] * MACRO_STEPS + np.arange(MACRO_STEPS)
         actions = torch.from_numpy(self.actions[which[:, None, None], steps])
         actions[missing[:, :-1]] = torch.nan
-        return proprio, actions
+        return proprio.to(self.device), actions.to(self.device)
 
 
 def generator_of(random: torch.Generator) -> np.random.Generator:

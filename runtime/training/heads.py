@@ -92,9 +92,11 @@ class Sampler:
         true, true_looks = piece.states[:, 1:].flatten(0, 1), piece.features[:, 1:].flatten(0, 1)
         proprio, features = found.proprio.flatten(1, 2), found.features.flatten(1, 2)
         doubt = spread(proprio, dynamics.motion.scale)
-        goal, goal_looks = self._goals(true.numpy(), random)
-        margins = torch.from_numpy(self.labels.margins(true.numpy().astype(np.float64), goal.astype(np.float64)))
-        remaining = torch.from_numpy(self.labels.remaining(true.numpy().astype(np.float64), goal.astype(np.float64)))
+        ended = true.cpu().numpy()
+        goal, goal_looks = self._goals(ended, random)
+        labelled = ended.astype(np.float64), goal.astype(np.float64)
+        margins = frames.tensor(self.labels.margins(*labelled))
+        remaining = frames.tensor(self.labels.remaining(*labelled))
         members = dynamics.members
 
         def every(imagined: torch.Tensor, exact: torch.Tensor) -> torch.Tensor:
@@ -107,8 +109,8 @@ class Sampler:
         all_proprio, all_looks = every(proprio, true), every(features, true_looks)
         error = ((all_proprio - again(true)) / dynamics.motion.scale).square().mean(dim=-1).sqrt()
         mismatch = ((all_looks - again(true_looks)) / dynamics.feature_scale).square().mean(dim=-1).sqrt()
-        goals, goal_features = torch.from_numpy(goal), torch.from_numpy(goal_looks)
-        doubts = every(doubt.expand(members, -1), torch.zeros(len(true)))
+        goals, goal_features = frames.tensor(goal), frames.tensor(goal_looks)
+        doubts = every(doubt.expand(members, -1), torch.zeros_like(doubt))
         return Ends(
             all_looks, all_proprio, again(goal_features), again(goals), doubts, known.expand(len(all_proprio), -1),
             again(margins.float()), again(remaining.float()), error, mismatch,

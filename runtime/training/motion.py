@@ -24,14 +24,14 @@ Loss = Callable[[torch.Generator], torch.Tensor]
 
 def motion_loss(dynamics: Dynamics, frames: Frames) -> Loss:
     """The error of one environment step; each member draws a batch of its own."""
-    begin = torch.from_numpy(frames.states[:, :-1].reshape(-1, frames.states.shape[-1]))
-    end = torch.from_numpy(frames.states[:, 1:].reshape(-1, frames.states.shape[-1]))
-    action = torch.from_numpy(frames.actions.reshape(-1, frames.actions.shape[-1]))
+    begin = frames.tensor(frames.states[:, :-1].reshape(-1, frames.states.shape[-1]))
+    end = frames.tensor(frames.states[:, 1:].reshape(-1, frames.states.shape[-1]))
+    action = frames.tensor(frames.actions.reshape(-1, frames.actions.shape[-1]))
     motion = dynamics.motion
     fine = motion.scale * _FINE
 
     def loss(random: torch.Generator) -> torch.Tensor:
-        rows = torch.randint(len(begin), (motion.members, _BATCH), generator=random)
+        rows = torch.randint(len(begin), (motion.members, _BATCH), generator=random).to(frames.device)
         return functional.smooth_l1_loss(motion(begin[rows], action[rows]) / fine, end[rows] / fine, beta=0.05)
 
     return loss
@@ -50,7 +50,7 @@ def appearance_loss(dynamics: Dynamics, frames: Frames) -> Loss:
             path = dynamics.motion.path(begin.expand(dynamics.members, *begin.shape), piece.actions.flatten(1, 2))
         ends = path[:, :, :: dynamics.macro]
         imagined = seen[:, 0].expand(dynamics.members, *seen[:, 0].shape)
-        total = torch.zeros(())
+        total = torch.zeros((), device=frames.device)
         for step in range(HORIZON):
             imagined = dynamics.appear(imagined, ends[:, :, step], ends[:, :, step + 1])
             total = total + ((imagined - seen[:, step + 1]) / dynamics.feature_scale).square().mean()
@@ -82,4 +82,4 @@ def histories(
     which, first = segments(frames, random, count, length)
     age = np.where(random.random(count) < 1 / 3, random.integers(1, length, count), length)
     latest = first + length - 1
-    return *frames.past(which, latest, length, age), torch.from_numpy(frames.marks[which, latest])
+    return *frames.past(which, latest, length, age), frames.tensor(frames.marks[which, latest])

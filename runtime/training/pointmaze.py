@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,7 @@ from runtime.training.fit import Schedule
 from runtime.training.frames import HORIZON, Frames, encoded
 from runtime.training.heads import Ends, Labels, Sampler, event_loss, fact_loss
 from runtime.training.measures import auroc, calibration_error
-from runtime.training.stages import Fitter, Say, head_parameters
+from runtime.training.stages import Fitter, Place, Say, head_parameters
 
 __all__ = ["Course", "train"]
 
@@ -63,37 +62,37 @@ class Course:
         return asdict(self)
 
 
-def train(stage: str, course: Course, folder: Path, command: str, commit: str, say: Say) -> Mapping[str, float]:
-    """Train one of :data:`runtime.training.STAGES`, those before it lying in ``folder``; returns its card's metrics.
+def train(stage: str, course: Course, place: Place, command: str, commit: str, say: Say) -> Mapping[str, float]:
+    """Train one of :data:`runtime.training.STAGES`, those before it lying in ``place``; returns its card's metrics.
 
-    An interrupted stage goes on where it stopped: what is unfinished lies in ``folder/unfinished``.
+    An interrupted stage goes on where it stopped.
 
     Raises:
-        OntoError: ``WM001`` ff. where an earlier stage's checkpoint is missing or damaged, ``WM006`` where ``folder``
+        OntoError: ``WM001`` ff. where an earlier stage's checkpoint is missing or damaged, ``WM006`` where the folder
             cannot be written.
     """
     torch.manual_seed(course.seed)
     card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
-    metrics = makers[stage](course, folder, card, say)
-    _fitter(folder, card, say).forget(stage)
+    metrics = makers[stage](course, place, card, say)
+    Fitter(place, card, say).forget(stage)
     return metrics
 
 
-def _projection(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
-    maze, base = maze_named(course.maze), encoder(course.encoder)
+def _projection(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    maze, base = maze_named(course.maze), encoder(course.encoder, place.device)
     found = _trajectories(course, "train")
-    raw = _pictures(maze, found, base, folder, say)
+    raw = _pictures(maze, found, base, place, say)
     projection = fit_projection(np.asarray(raw[:: max(len(raw) // 10_000, 1)]), course.components)
     metrics = {"variance_kept": projection.share}
     about = replace(card, sees="pixels", metrics=metrics)
-    save_projection(folder / FILES["projection"], Projected(base, projection), about)
+    save_projection(place.folder / FILES["projection"], Projected(base, projection), about)
     return metrics
 
 
-def _dynamics(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
-    seen = load_projected(folder / FILES["projection"])
-    frames = _frames(course, "train", seen, folder, say)
+def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    seen = load_projected(place.folder / FILES["projection"], place.device)
+    frames = _frames(course, "train", seen, place, say)
     places = frames.states[..., :2].reshape(-1, 2).astype(np.float64)
     low, high = places.min(axis=0), places.max(axis=0)
     middle, half = ((low + high) / 2).round(2).tolist(), round(float((high - low).max() / 2), 2)
@@ -110,52 +109,52 @@ def _dynamics(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str
         "feature_scale": float(np.asarray(frames.features).std()),
         "macro": MACRO_STEPS,
     }
-    network = Dynamics(**parameters)
+    network = Dynamics(**parameters).to(place.device)
     schedules = {
         "motion": Schedule(course.motion),
         "appearance": Schedule(course.appearance, rate=1e-3),
         "estimate": Schedule(course.estimate),
     }
     card = replace(card, encoder=seen.identity)
-    _fitter(folder, card, say).dynamics(network, frames, torch.tensor(POSITION), schedules)
-    metrics = _imagining(network, _frames(course, "test", seen, folder, say))
+    Fitter(place, card, say).dynamics(network, frames, torch.tensor(POSITION, device=place.device), schedules)
+    metrics = _imagining(network, _frames(course, "test", seen, place, say))
     about = replace(
         card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, sees="pixels, proprioception",
         metrics=metrics,
     )  # fmt: skip
-    save(folder / FILES["dynamics"], network.state_dict(), about)
+    save(place.folder / FILES["dynamics"], network.state_dict(), about)
     return metrics
 
 
-def _events(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
-    sampler, parameters, card = _for_heads(course, folder, "train", card, say)
-    head = EventHead(**parameters)
-    _fitter(folder, card, say).fit("events", head, event_loss(head, sampler), Schedule(course.heads))
-    ends = _tested(course, folder, say)
+def _events(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    sampler, parameters, card = _for_heads(course, place, "train", card, say)
+    head = EventHead(**parameters).to(place.device)
+    Fitter(place, card, say).fit("events", head, event_loss(head, sampler), Schedule(course.heads))
+    ends = _tested(course, place, say)
     found = head(*ends.read)
-    success = (ends.margins[:, sampler.labels.success] > 0).numpy()
-    clear = (ends.margins[:, sampler.labels.valid] > 0).numpy()
+    success = (ends.margins[:, sampler.labels.success] > 0).cpu().numpy()
+    clear = (ends.margins[:, sampler.labels.valid] > 0).cpu().numpy()
     there = torch.isfinite(ends.remaining)
     metrics = {
         "remaining_mae_m": float((found.remaining - ends.remaining)[there].abs().mean()),
-        "success_auroc": auroc(found.success.numpy(), success),
-        "feasibility_auroc": auroc(found.feasibility.numpy(), clear),
+        "success_auroc": auroc(found.success.cpu().numpy(), success),
+        "feasibility_auroc": auroc(found.feasibility.cpu().numpy(), clear),
         "uncertainty_mae": float((found.uncertainty - ends.error).abs().mean()),
     }
     about = replace(card, architecture=events_module.ARCHITECTURE, parameters=parameters, metrics=metrics)
-    save(folder / FILES["events"], head.state_dict(), about)
+    save(place.folder / FILES["events"], head.state_dict(), about)
     return metrics
 
 
-def _facts(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, float]:
-    sampler, parameters, card = _for_heads(course, folder, "train", card, say)
+def _facts(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    sampler, parameters, card = _for_heads(course, place, "train", card, say)
     names = [local_name(fact.predicate) for fact in required_facts(load_knowledge()).facts]
     parameters = {"facts": names, **parameters}
-    head = FactHead(**parameters)
-    _fitter(folder, card, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.heads))
-    ends = _tested(course, folder, say)
+    head = FactHead(**parameters).to(place.device)
+    Fitter(place, card, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.heads))
+    ends = _tested(course, place, say)
     margin, logit = head(*ends.read)
-    truth, score = (ends.margins > 0).numpy(), logit.sigmoid().numpy()
+    truth, score = (ends.margins > 0).cpu().numpy(), logit.sigmoid().cpu().numpy()
     metrics: dict[str, float] = {}
     for column, name in enumerate(names):
         metrics[f"{name}.margin_mae"] = float((margin - ends.margins)[:, column].abs().mean())
@@ -164,15 +163,15 @@ def _facts(course: Course, folder: Path, card: Card, say: Say) -> Mapping[str, f
     about = replace(
         card, architecture=facts_module.ARCHITECTURE, parameters=parameters, facts=tuple(names), metrics=metrics
     )
-    save(folder / FILES["facts"], head.state_dict(), about)
+    save(place.folder / FILES["facts"], head.state_dict(), about)
     return metrics
 
 
 def _for_heads(
-    course: Course, folder: Path, split: Split, card: Card, say: Say
+    course: Course, place: Place, split: Split, card: Card, say: Say
 ) -> tuple[Sampler, dict[str, Any], Card]:
     """What draws a head's batches, what builds a head, and a card that names what it was trained on."""
-    seen, network, found = load_dynamics(folder)
+    seen, network, found = load_dynamics(place.folder, place.device)
     knowledge = load_knowledge()
     facts = MazeFacts(maze_named(course.maze), required_facts(knowledge), knowledge)
     names = [local_name(fact.predicate) for fact in facts.required.facts]
@@ -182,18 +181,18 @@ def _for_heads(
         names.index("at_target"),
         names.index("free_of"),
     )
-    frames = _frames(course, split, seen, folder, say)
+    frames = _frames(course, split, seen, place, say)
     parameters = head_parameters(network, found.card.parameters["motion"])
     about = replace(
         card, data={**card.data, "dynamics": found.identity}, encoder=seen.identity,
         sees="pixels, proprioception; labels of privileged-state",
     )  # fmt: skip
-    return Sampler(network, frames, labels, torch.tensor(POSITION)), parameters, about
+    return Sampler(network, frames, labels, torch.tensor(POSITION, device=place.device)), parameters, about
 
 
-def _tested(course: Course, folder: Path, say: Say) -> Ends:
+def _tested(course: Course, place: Place, say: Say) -> Ends:
     """Ends of the test split, all sensed."""
-    sampler, _, _ = _for_heads(course, folder, "test", Card(""), say)
+    sampler, _, _ = _for_heads(course, place, "test", Card(""), say)
     ends: Ends = sampler.ends(np.random.default_rng(course.seed), 2000, blind=False)
     return ends
 
@@ -220,18 +219,14 @@ def _trajectories(course: Course, split: Split) -> Trajectories:
     return collect(maze_named(course.maze), count, course.steps, course.seed, split)
 
 
-def _pictures(maze: Maze, found: Trajectories, base: Any, folder: Path, say: Say) -> np.ndarray:  # noqa: ANN401
+def _pictures(maze: Maze, found: Trajectories, base: Any, place: Place, say: Say) -> np.ndarray:  # noqa: ANN401
     states = found.states[:, ::MACRO_STEPS].reshape(-1, STATE_DIM)
-    kept = folder / "unfinished" / f"features.{found.source.split}.npy"
+    kept = place.unfinished / f"features.{found.source.split}.npy"
     return encoded(states, lambda rows: draw(maze, rows, base.size), base, kept, found.source, say)
 
 
-def _frames(course: Course, split: Split, seen: Projected, folder: Path, say: Say) -> Frames:
+def _frames(course: Course, split: Split, seen: Projected, place: Place, say: Say) -> Frames:
     found = _trajectories(course, split)
-    raw = _pictures(maze_named(course.maze), found, seen.encoder, folder, say)
+    raw = _pictures(maze_named(course.maze), found, seen.encoder, place, say)
     features = seen.projection(np.asarray(raw)).reshape(len(found.states), -1, course.components)
-    return Frames(found.states.astype(np.float32), found.actions.astype(np.float32), features)
-
-
-def _fitter(folder: Path, card: Card, say: Say) -> Fitter:
-    return Fitter(folder / "unfinished", card, say)
+    return Frames(found.states.astype(np.float32), found.actions.astype(np.float32), features, place.device)

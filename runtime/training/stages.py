@@ -1,46 +1,63 @@
-"""What the stages of every training share: the parts of a network fitted in turn, and kept until the stage is done."""
+"""What the stages of every training share: where they lie, and the parts of a network fitted in turn.
+
+A part is kept until its stage is done.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import torch
 
 from grounding.world_model.checkpoint import Card
+from grounding.world_model.device import device_named
 from grounding.world_model.dynamics import Dynamics
 from runtime.training.fit import Schedule, fit
 from runtime.training.frames import Frames
 from runtime.training.motion import appearance_loss, estimate_loss, motion_loss
 
-__all__ = ["Fitter", "Say", "head_parameters"]
+__all__ = ["Fitter", "Place", "Say", "head_parameters"]
 
 Say = Callable[[str], None]
 _PARTS = {"dynamics": ("motion", "appearance", "estimate"), "events": ("events",), "facts": ("facts",)}
 
 
-@dataclass(frozen=True, slots=True)
-class Fitter:
-    """Fits what ``card`` tells of, by its seed; an interrupted fit, and one that is done, lie in ``folder``."""
+@dataclass(frozen=True)
+class Place:
+    """Where a training lies: its checkpoints in ``folder``; it computes on ``device``, a GPU where there is one."""
 
     folder: Path
+    device: str = field(default_factory=device_named, kw_only=True)
+
+    @property
+    def unfinished(self) -> Path:
+        """What an interrupted stage goes on from."""
+        return self.folder / "unfinished"
+
+
+@dataclass(frozen=True, slots=True)
+class Fitter:
+    """Fits what ``card`` tells of, by its seed; an interrupted fit, and one that is done, lie in ``place``."""
+
+    place: Place
     card: Card
     say: Say
 
     def fit(
         self, name: str, part: torch.nn.Module, loss: Callable[[torch.Generator], torch.Tensor], schedule: Schedule
     ) -> None:
-        """Fit ``part`` and freeze it; raises as :func:`runtime.training.fit.fit`."""
+        """Fit ``part``, where it has its weights, and freeze it; raises as :func:`runtime.training.fit.fit`."""
 
         def told(step: int, found: float) -> None:
             if step % 500 == 0:
                 self.say(f"{name}: step {step:,}, loss {found:.4f}")
 
         source = json.dumps([self.card.data, self.card.encoder], sort_keys=True)
-        fit(part, loss, schedule, self.card.seed or 0, self.folder / name, told, source)
+        fit(part, loss, schedule, self.card.seed or 0, self.place.unfinished / name, told, source)
         part.eval().requires_grad_(requires_grad=False)
 
     def dynamics(
@@ -59,7 +76,7 @@ class Fitter:
     def forget(self, stage: str) -> None:
         """Remove what was kept of ``stage``, whose checkpoint is written."""
         for name in _PARTS.get(stage, ()):
-            (self.folder / name).unlink(missing_ok=True)
+            (self.place.unfinished / name).unlink(missing_ok=True)
 
 
 def head_parameters(dynamics: Dynamics, motion: Mapping[str, Any]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
+from grounding.world_model.device import device_named
 from grounding.world_model.model import WorldModel, load_world_model
 from onto_compiler.knowledge import load_knowledge
 from runtime.planning.cem import Budget, Sampling
@@ -83,8 +84,11 @@ ROWS = {
 """By name; ``_blind`` rows do not sense velocity, and have a history of three macro steps."""
 
 
-def planner(name: str, folder: Path) -> Planner:
-    """The planner of a row, with the world model in ``folder`` where it needs one; raises as its parts do."""
+def planner(name: str, folder: Path, device: str = "auto") -> Planner:
+    """The planner of a row, with the world model in ``folder`` where it needs one; raises as its parts do.
+
+    It computes on ``device``, by default on a GPU where there is one; what asks no model has no use for it.
+    """
     row, knowledge = ROWS[name], load_knowledge()
     if row.score is None:
         return Randomly(SAMPLING)
@@ -93,8 +97,9 @@ def planner(name: str, folder: Path) -> Planner:
     if row.truth:
         facts = MazeFacts(maze_named(MAZE), required, knowledge)
         return ByTruth(maze_rollout(), facts, weights, row.budget, SAMPLING)
-    model = _model(folder)
-    sensor = Sensor(maze_named(MAZE), model.encoder, row.sensed, model.dynamics.history)
+    device = device_named(device)
+    model = _model(folder, device)
+    sensor = Sensor(maze_named(MAZE), model.encoder, row.sensed, model.dynamics.history, device)
     mechanisms = load_routed(knowledge.schema, "onto_evwm.mechanisms", "mechanism", "RUN010")
     guidance: dict[str, Callable[[], Guidance | None]] = {
         "": lambda: None,
@@ -106,8 +111,8 @@ def planner(name: str, folder: Path) -> Planner:
 
 
 @lru_cache(maxsize=2)
-def _model(folder: Path) -> WorldModel:
-    model = load_world_model(folder)
+def _model(folder: Path, device: str) -> WorldModel:
+    model = load_world_model(folder, device)
     for network in (model.dynamics, model.events, model.facts):
         pack(network)
     return model

@@ -86,7 +86,7 @@ class Sampler:
 
         def again(rows: NDArray[np.generic]) -> torch.Tensor:
             """Labels (B, H + 1, ...) of the marks after the first, for every member and once more."""
-            flat = torch.from_numpy(np.ascontiguousarray(rows[:, 1:])).flatten(0, 1)
+            flat = data.frames.tensor(np.ascontiguousarray(rows[:, 1:])).flatten(0, 1)
             return flat.repeat(members + 1, *[1] * (flat.ndim - 1))
 
         all_proprio = torch.cat([proprio.flatten(0, 1), true])
@@ -95,13 +95,13 @@ class Sampler:
         unlike = all_looks - true_looks.repeat(members + 1, 1)
         return Ends(
             all_looks, all_proprio,
-            torch.cat([doubt.expand(members, -1).flatten(), torch.zeros(len(true))]),
-            sensed_all(true.shape[-1]),
+            torch.cat([doubt.expand(members, -1).flatten(), torch.zeros_like(doubt)]),
+            sensed_all(true.shape[-1]).to(true.device),
             again(data.truth[which]), again(data.margin[which]), again(data.clear[which]),
             again(data.remaining[which]),
             (gap / dynamics.motion.scale).square().mean(dim=-1).sqrt(),
             (unlike / dynamics.feature_scale).square().mean(dim=-1).sqrt(),
-            torch.from_numpy(self._task[which]).repeat_interleave(HORIZON).repeat(members + 1),
+            data.frames.tensor(self._task[which]).repeat_interleave(HORIZON).repeat(members + 1),
         )  # fmt: skip
 
 
@@ -119,7 +119,8 @@ def fact_loss(head: SceneFactHead, sampler: Sampler) -> Loss:
 
 def event_loss(head: SceneEventHead, sampler: Sampler, goals: Mapping[int, tuple[int, ...]]) -> Loss:
     """The errors of all events; half of the rows are asked about another task than the one that is played."""
-    asked = torch.zeros(max(goals) + 1, sampler.data.truth.shape[-1])
+    device = sampler.data.frames.device
+    asked = torch.zeros(max(goals) + 1, sampler.data.truth.shape[-1], device=device)
     for task, places in goals.items():
         asked[task, list(places)] = 1
     known = torch.tensor(sorted(goals))
@@ -127,8 +128,8 @@ def event_loss(head: SceneEventHead, sampler: Sampler, goals: Mapping[int, tuple
     def loss(random: torch.Generator) -> torch.Tensor:
         ends = sampler.drawn(generator_of(random))
         rows = len(ends.task)
-        other = known[torch.randint(len(known), (rows,), generator=random)]
-        task = torch.where(torch.rand(rows, generator=random) < 0.5, other, ends.task)
+        other = known[torch.randint(len(known), (rows,), generator=random)].to(device)
+        task = torch.where((torch.rand(rows, generator=random) < 0.5).to(device), other, ends.task)
         goal = asked[task]
         success = (ends.truth | ~goal.bool()).all(dim=-1)
         found = head(_blurred(head, ends.features, random), *ends.read[1:], goal)
@@ -156,7 +157,7 @@ def calibrate(head: SceneFactHead, ends: Ends) -> None:
         _, logit = head(*ends.read)
     logit = logit * head.temperature
     truth = ends.truth.float()
-    grid = torch.logspace(-0.7, 1.0, 69)
+    grid = torch.logspace(-0.7, 1.0, 69, device=logit.device)
     entropy = torch.stack(
         [functional.binary_cross_entropy_with_logits(logit / one, truth, reduction="none").mean(dim=0) for one in grid]
     )
@@ -166,5 +167,5 @@ def calibrate(head: SceneFactHead, ends: Ends) -> None:
 
 
 def _blurred(head: SceneFactHead | SceneEventHead, features: torch.Tensor, random: torch.Generator) -> torch.Tensor:
-    noise = torch.randn(features.shape, generator=random)
+    noise = torch.randn(features.shape, generator=random).to(features)
     return features + _BLUR * head.scaling.feature_scale * noise

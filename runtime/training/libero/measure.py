@@ -37,7 +37,8 @@ class Told:
 @torch.no_grad()  # type: ignore[untyped-decorator]
 def tell(dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact], data: Windows) -> tuple[Told, Told]:
     """What ``head`` tells of each window's end: imagined from its beginning and its actions, and seen as it was."""
-    grounder, sensed = ScenePredGrounder(head, facts), sensed_all(data.frames.states.shape[-1])
+    grounder = ScenePredGrounder(head, facts)
+    sensed = sensed_all(data.frames.states.shape[-1]).to(data.frames.device)
     parts: tuple[list[NDArray[np.float64]], ...] = ([], [], [], [])
     for start in range(0, len(data), _AT_ONCE):
         which = np.arange(start, min(start + _AT_ONCE, len(data)))
@@ -46,8 +47,8 @@ def tell(dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact], data: W
         seen = Imagined(piece.features[None, :, 1:], piece.states[None, :, 1:], piece.states[None])
         for place, each in enumerate((imagined, seen)):
             found = grounder.ground(each, sensed)
-            parts[2 * place].append(found.score.numpy().astype(np.float64))
-            parts[2 * place + 1].append(found.margin.numpy().astype(np.float64))
+            parts[2 * place].append(found.score.cpu().numpy().astype(np.float64))
+            parts[2 * place + 1].append(found.margin.cpu().numpy().astype(np.float64))
     score, margin, seen_score, seen_margin = (np.concatenate(part) for part in parts)
     return Told(score, margin), Told(seen_score, seen_margin)
 
@@ -106,14 +107,15 @@ def tell_events(
         imagined = dynamics.imagine(piece.features[:, 0], piece.states[:, 0], piece.actions)
         features, proprio = imagined.features[:, :, -1], imagined.proprio[:, :, -1]
         doubt = spread(proprio, dynamics.motion.scale)
-        found = head(features, proprio, doubt, sensed_all(proprio.shape[-1]), torch.from_numpy(goal[which]))
+        sensed = sensed_all(proprio.shape[-1]).to(proprio.device)
+        found = head(features, proprio, doubt, sensed, data.frames.tensor(goal[which]))
         gap = ((proprio - piece.states[:, -1]) / dynamics.motion.scale).square().mean(dim=-1).sqrt()
         several = {
             "success": found.success.sigmoid(), "remaining": found.remaining,
             "feasibility": found.feasibility.sigmoid(), "uncertainty": found.uncertainty, "error": gap,
         }  # fmt: skip
         told.append({name: values.mean(dim=0) for name, values in several.items()})
-    every = {name: torch.cat([part[name] for part in told]).numpy().astype(np.float64) for name in told[0]}
+    every = {name: torch.cat([part[name] for part in told]).cpu().numpy().astype(np.float64) for name in told[0]}
     return every | {
         "succeeds": (data.truth[:, -1] | ~goal).all(axis=1).astype(np.float64),
         "left": data.remaining[:, -1].astype(np.float64),

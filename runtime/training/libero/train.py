@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +29,9 @@ from runtime.training.libero.library import Filmed, Shoot, filmed
 from runtime.training.libero.measure import event_metrics, fact_metrics, imagining_metrics
 from runtime.training.libero.scene import SceneFacts, scene_facts
 from runtime.training.libero.windows import Windows, pictures_of, windows
-from runtime.training.stages import Fitter, Say, head_parameters
+from runtime.training.stages import Fitter, Place, Say, head_parameters
 
-__all__ = ["Place", "load_windows", "train"]
+__all__ = ["FilmPlace", "load_windows", "train"]
 
 _FITTED = 4000
 """Pictures, at most, that the projection is fitted to."""
@@ -42,24 +41,18 @@ _LABELS = f"{_SEES}; labels of privileged-state"
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where a training lies: checkpoints in ``folder``, films and demonstrations in ``data``, which seeds share.
+class FilmPlace(Place):
+    """A place with films and demonstrations in ``data``, which seeds share.
 
     ``demos`` is as of :class:`~runtime.training.libero.library.Shoot`; ``jobs`` processes film.
     """
 
-    folder: Path
     data: Path
     demos: Path | None = None
     jobs: int = 1
 
-    @cached_property
-    def unfinished(self) -> Path:
-        """What an interrupted stage goes on from."""
-        return self.folder / "unfinished"
 
-
-def train(stage: str, course: Course, place: Place, command: str, commit: str, say: Say) -> Mapping[str, float]:
+def train(stage: str, course: Course, place: FilmPlace, command: str, commit: str, say: Say) -> Mapping[str, float]:
     """Train one of :data:`runtime.training.STAGES`, those before it lying in ``place``; returns its card's metrics.
 
     Raises:
@@ -69,11 +62,11 @@ def train(stage: str, course: Course, place: Place, command: str, commit: str, s
     card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
     metrics = makers[stage](course, place, card, say)
-    _fitter(place, card, say).forget(stage)
+    Fitter(place, card, say).forget(stage)
     return metrics
 
 
-def load_windows(course: Course, place: Place, split: str, seen: Projected, say: Say) -> Windows:
+def load_windows(course: Course, place: FilmPlace, split: str, seen: Projected, say: Say) -> Windows:
     """The windows of ``train`` or ``held``; films and features that are missing are made.
 
     Raises:
@@ -81,14 +74,14 @@ def load_windows(course: Course, place: Place, split: str, seen: Projected, say:
     """
     films = _of_split(course, place, split, say)
     kept = place.unfinished / f"features.{split}.npy"
-    return windows(films, _asked(), seen, kept, say)
+    return windows(films, _asked(), seen, kept, say, place.device)
 
 
-def _projection(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+def _projection(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
     films = _of_split(course, place, "train", say)
     rows, draw = pictures_of(films)
     some = rows[:: -(-len(rows) // _FITTED)]
-    base = encoder(course.encoder)
+    base = encoder(course.encoder, place.device)
     raw = np.concatenate([base.encode(draw(some[start : start + 256])) for start in range(0, len(some), 256)])
     projection = fit_projection(raw, course.components)
     metrics = {"variance_kept": projection.share, "pictures": float(len(some)), "films": float(len(films))}
@@ -100,8 +93,8 @@ def _projection(course: Course, place: Place, card: Card, say: Say) -> Mapping[s
     return metrics
 
 
-def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
-    seen = load_projected(place.folder / FILES["projection"])
+def _dynamics(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
+    seen = load_projected(place.folder / FILES["projection"], place.device)
     frames = load_windows(course, place, "train", seen, say).frames
     states = frames.states.reshape(-1, SIZE).astype(np.float64)
     motion = {
@@ -118,27 +111,27 @@ def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str
         "feature_scale": float(frames.features.std()),
         "macro": MACRO,
     }
-    network = Dynamics(**parameters)
+    network = Dynamics(**parameters).to(place.device)
     schedules = {
         "motion": Schedule(course.motion),
         "appearance": Schedule(course.appearance, 1e-3, 1e-2),
         "estimate": Schedule(course.estimate),
     }
     card = replace(card, encoder=seen.identity)
-    _fitter(place, card, say).dynamics(network, frames, sensed_still(SIZE), schedules)
+    Fitter(place, card, say).dynamics(network, frames, sensed_still(SIZE).to(place.device), schedules)
     metrics = imagining_metrics(network, load_windows(course, place, "held", seen, say))
     about = replace(card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, sees=_SEES, metrics=metrics)
     save(place.folder / FILES["dynamics"], network.state_dict(), about)
     return metrics
 
 
-def _events(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+def _events(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
     sampler, parameters, card, seen = _for_heads(course, place, card, say)
     asked = _asked()
     parameters = {"facts": len(asked.names), **parameters}
-    head = SceneEventHead(**parameters)
+    head = SceneEventHead(**parameters).to(place.device)
     loss = event_loss(head, sampler, asked.goals)
-    _fitter(place, card, say).fit("events", head, loss, Schedule(course.events, 1e-3, 1e-2))
+    Fitter(place, card, say).fit("events", head, loss, Schedule(course.events, 1e-3, 1e-2))
     metrics: dict[str, float] = event_metrics(
         sampler.dynamics, head, asked, load_windows(course, place, "held", seen, say)
     )
@@ -150,13 +143,13 @@ def _events(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, 
     return metrics
 
 
-def _facts(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+def _facts(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
     sampler, parameters, card, seen = _for_heads(course, place, card, say)
     names = list(_asked().names)
     units = np.maximum(sampler.data.margin.reshape(-1, len(names)).std(axis=0), 1e-3).round(4).tolist()
     parameters = {"facts": names, "units": units, **parameters}
-    head = SceneFactHead(**parameters)
-    _fitter(place, card, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.facts, 1e-3, 1e-2))
+    head = SceneFactHead(**parameters).to(place.device)
+    Fitter(place, card, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.facts, 1e-3, 1e-2))
     held = load_windows(course, place, "held", seen, say)
     calibrate(head, Sampler(sampler.dynamics, held).ends(np.arange(len(held))))
     metrics = fact_metrics(sampler.dynamics, head, _asked().facts, held)
@@ -165,9 +158,11 @@ def _facts(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, f
     return metrics
 
 
-def _for_heads(course: Course, place: Place, card: Card, say: Say) -> tuple[Sampler, dict[str, Any], Card, Projected]:
+def _for_heads(
+    course: Course, place: FilmPlace, card: Card, say: Say
+) -> tuple[Sampler, dict[str, Any], Card, Projected]:
     """What draws a head's batches, what builds a head, a card that names what it was trained on, and the encoder."""
-    seen, network, found = load_dynamics(place.folder)
+    seen, network, found = load_dynamics(place.folder, place.device)
     data = load_windows(course, place, "train", seen, say)
     parameters = head_parameters(network, found.card.parameters["motion"])
     about = replace(card, data={**card.data, "dynamics": found.identity}, encoder=seen.identity, sees=_LABELS)
@@ -178,7 +173,7 @@ def _asked() -> SceneFacts:
     return scene_facts(load_knowledge())
 
 
-def _of_split(course: Course, place: Place, split: str, say: Say) -> tuple[Filmed, ...]:
+def _of_split(course: Course, place: FilmPlace, split: str, say: Say) -> tuple[Filmed, ...]:
     shoot = Shoot(place.data, course.demos, course.demo_seed, course.indices, demos=place.demos)
     films = tuple(film for film in filmed(shoot, place.jobs, say) if film.split == split)
     if not films:
@@ -187,7 +182,3 @@ def _of_split(course: Course, place: Place, split: str, say: Say) -> tuple[Filme
             "WM016", message, "take 40 demonstrations a task, as many as there are initial states", str(place.data)
         )
     return films
-
-
-def _fitter(place: Place, card: Card, say: Say) -> Fitter:
-    return Fitter(place.unfinished, card, say)

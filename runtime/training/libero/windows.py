@@ -81,9 +81,16 @@ def pictures_of(films: Sequence[Filmed]) -> tuple[NDArray[np.int64], Callable[[N
 
 
 def windows(
-    films: Sequence[Filmed], asked: SceneFacts, seen: Encoder, kept: Path, say: Callable[[str], None]
+    films: Sequence[Filmed],
+    asked: SceneFacts,
+    seen: Encoder,
+    kept: Path,
+    say: Callable[[str], None],
+    device: str = "cpu",
 ) -> Windows:
     """All windows of ``films``, with the features that ``seen`` has of their marks, which are kept at ``kept``.
+
+    What is drawn of them is drawn on ``device``.
 
     Raises:
         OntoError: ``WM009`` where films have another size than ``seen`` reads, ``WM010`` where a feature is not finite,
@@ -110,7 +117,7 @@ def windows(
             for column, part in zip(cut, parts, strict=True):
                 column.append(part)
     states, actions, looked, truth, margin, clear, remaining, place = (np.stack(column) for column in cut)
-    return Windows(Frames(states, actions, looked), truth, margin, clear, remaining, place, tuple(films))
+    return Windows(Frames(states, actions, looked, device), truth, margin, clear, remaining, place, tuple(films))
 
 
 def _remaining(film: Film, goal: list[int], *, calm: bool) -> NDArray[np.float32]:

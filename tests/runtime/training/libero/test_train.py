@@ -18,7 +18,8 @@ from runtime.training.libero.course import Course
 from runtime.training.libero.heads import Sampler, calibrate
 from runtime.training.libero.measure import tell
 from runtime.training.libero.scene import SceneFacts
-from runtime.training.libero.train import Place, load_windows, train
+from runtime.training.libero.train import FilmPlace, load_windows, train
+from tests.gpu import DEVICE, Gpu
 from tests.runtime.training.libero.test_windows import FACTS
 
 COURSE = Course(
@@ -44,7 +45,7 @@ def world(films):
 
 @pytest.fixture(scope="module")
 def trained(world, tmp_path_factory):
-    place = Place(tmp_path_factory.mktemp("model"), tmp_path_factory.mktemp("data"))
+    place = FilmPlace(tmp_path_factory.mktemp("model"), tmp_path_factory.mktemp("data"))
     metrics = {stage: train(stage, COURSE, place, f"onto train libero {stage}", "", quiet) for stage in STAGES}
     return place, metrics
 
@@ -101,7 +102,7 @@ def test_an_interrupted_stage_ends_as_one_that_was_not(trained, tmp_path, monkey
     for name in ("projection", "dynamics"):
         (tmp_path / FILES[name]).write_bytes((place.folder / FILES[name]).read_bytes())
     monkeypatch.setattr(fitting, "_KEPT_EVERY", 0.0)
-    other = Place(tmp_path, place.data)
+    other = FilmPlace(tmp_path, place.data)
     saved, calls = fitting.save, 0
 
     class StoppedError(Exception):
@@ -123,9 +124,21 @@ def test_an_interrupted_stage_ends_as_one_that_was_not(trained, tmp_path, monkey
     assert (tmp_path / FILES["facts"]).read_bytes() == (place.folder / FILES["facts"]).read_bytes()
 
 
+def test_every_stage_trains_on_the_device_as_it_does_on_the_cpu(world, tmp_path):
+    short = replace(COURSE, motion=5, appearance=5, estimate=5, facts=5, events=5)
+    found = []
+    with Gpu() as gpu:
+        for device in ("cpu", DEVICE):
+            place = FilmPlace(tmp_path / device, tmp_path, device=device)
+            found.append({stage: train(stage, short, place, "", "", quiet) for stage in STAGES})
+    assert gpu.operations > 1000
+    for stage in STAGES:
+        assert found[1][stage] == pytest.approx(found[0][stage], rel=1e-3, abs=1e-4, nan_ok=True)
+
+
 def test_a_head_without_its_dynamics_is_not_trained(world, tmp_path):
     with pytest.raises(OntoError) as caught:
-        train("facts", COURSE, Place(tmp_path, tmp_path), "", "", quiet)
+        train("facts", COURSE, FilmPlace(tmp_path, tmp_path), "", "", quiet)
     assert caught.value.problems[0].code == "WM001"
 
 
@@ -134,7 +147,7 @@ def test_heads_of_other_dynamics_are_refused(trained, tmp_path):
     for name in FILES:
         (tmp_path / FILES[name]).write_bytes((place.folder / FILES[name]).read_bytes())
     short = replace(COURSE, motion=5, appearance=5, estimate=5)
-    train("dynamics", short, Place(tmp_path, place.data), "", "", quiet)
+    train("dynamics", short, FilmPlace(tmp_path, place.data), "", "", quiet)
     with pytest.raises(OntoError) as caught:
         load_scene_model(tmp_path)
     assert caught.value.problems[0].code == "WM014"
@@ -155,7 +168,7 @@ def test_a_file_of_another_architecture_and_one_that_was_cut_off_are_told(traine
 def test_a_split_without_demonstrations_is_told(world, tmp_path, monkeypatch):
     monkeypatch.setattr(training, "filmed", lambda _shoot, _jobs, _say: world[:1])
     with pytest.raises(OntoError) as caught:
-        training._of_split(COURSE, Place(tmp_path, tmp_path), "train", quiet)
+        training._of_split(COURSE, FilmPlace(tmp_path, tmp_path), "train", quiet)
     assert caught.value.problems[0].code == "WM016"
 
 

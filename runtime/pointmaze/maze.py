@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from grounding.predicates.planar import clearance
 from onto_compiler.problems import OntoError, near
 
 __all__ = [
@@ -218,12 +219,10 @@ def _boxes(cells: NDArray[np.int64]) -> NDArray[np.float64]:
 
 
 def _distance(points: NDArray[np.float64], boxes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """From each of ``points`` (..., 2) to the nearest of ``boxes`` (K, 4), 0 within one."""
+    """From each of ``points`` (..., 2) to the nearest of ``boxes`` (K, 4), 0 within one; without any it is infinite."""
     if not len(boxes):
         return np.full(points.shape[:-1], np.inf)
-    place = points[..., None, :]
-    gap = np.maximum(np.maximum(boxes[:, :2] - place, place - boxes[:, 2:]), 0.0)
-    return np.asarray(np.hypot(gap[..., 0], gap[..., 1]).min(axis=-1))
+    return np.maximum(clearance(points, boxes), 0.0)
 
 
 def _depth(points: NDArray[np.float64], extent: tuple[float, float, float, float]) -> NDArray[np.float64]:

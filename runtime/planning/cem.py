@@ -98,7 +98,8 @@ def search(
     rounds = budget.iterations - (judge is not None)
     if rounds < 1:
         raise ValueError("a search needs an iteration, and one more where there is a judge")
-    best, elites = known, region.mean[None][:0] if known is None else known.actions[None]
+    best, spent = known, rounds * budget.samples
+    elites = region.mean[None][:0] if known is None else known.actions[None]
     for _ in range(rounds):
         noise = coloured((budget.samples, *region.mean.shape), sampling.colour, random).to(region.mean.device)
         candidates = region.mean + region.deviation * noise
@@ -109,14 +110,12 @@ def search(
         costs = cost(candidates)
         order = torch.argsort(costs)[: budget.elites]
         elites = candidates[order]
-        lowest = float(costs[order[0]])
-        if best is None or lowest < best.cost:
-            best = Found(elites[0], lowest, 0, region)
+        if judge is None and (best is None or float(costs[order[0]]) < best.cost):
+            best = Found(elites[0], float(costs[order[0]]), 0, region)
         region = _towards(region, elites, sampling.momentum)
-    if best is None:
-        raise AssertionError("the first iteration finds one")
-    spent = rounds * budget.samples
     if judge is None:
+        if best is None:
+            raise AssertionError("the first iteration finds one")
         return replace(best, evaluations=spent, region=region)
     others = torch.stack([region.mean.clamp(-1, 1), *([] if known is None else [known.actions])])
     finalists = torch.cat([elites[: max(budget.samples // judge.copies - len(others), 1)], others])

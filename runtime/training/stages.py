@@ -71,7 +71,6 @@ class Fitter:
         }
         for name, (part, loss) in parts.items():
             self.fit(name, part, loss, schedules[name])
-        network.eval().requires_grad_(requires_grad=False)
 
     def forget(self, stage: str) -> None:
         """Remove what was kept of ``stage``, whose checkpoint is written."""

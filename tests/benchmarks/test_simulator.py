@@ -4,7 +4,7 @@ import pytest
 
 from benchmarks.simulator import SIMULATOR, TASKS, untimed
 
-pytestmark = pytest.mark.sim
+pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("simulator_rows")]
 
 METRICS = {
     "exact_max_qpos_error",

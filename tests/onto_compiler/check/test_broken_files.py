@@ -1,6 +1,7 @@
 """Each file of ``broken/`` is wrong in one way, and its first line says which code stands where."""
 
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,8 @@ import ontology
 from onto_compiler.check.pages import FOLDER, codes, index
 from onto_compiler.check.queries import query_checks
 from onto_compiler.check.run import check
+
+pytestmark = pytest.mark.xdist_group("broken_files")
 
 HERE = Path(__file__).parent
 ROOT = Path(__file__).resolve().parents[3]
@@ -22,6 +25,11 @@ def expected(path):
     return sorted((code, int(line), int(column)) for code, line, column in re.findall(r"(\w+) (\d+):(\d+)", first))
 
 
+@cache
+def problems_in(path):
+    return check([path]).problems
+
+
 def test_the_corpus_is_complete():
     assert len(BROKEN) == 137
     assert len(GOOD) == 3
@@ -29,14 +37,14 @@ def test_the_corpus_is_complete():
 
 @pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
 def test_a_broken_file_has_exactly_the_expected_problem(path):
-    problems = check([path]).problems
+    problems = problems_in(path)
     assert sorted((p.code, p.line, p.column) for p in problems) == expected(path)
     assert {p.file for p in problems} == {str(path)}
 
 
 @pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
 def test_every_problem_says_what_to_do(path):
-    for problem in check([path]).problems:
+    for problem in problems_in(path):
         assert problem.hint
         assert not re.search(r"\{\w+\}|``", problem.message + problem.hint), "an unfilled name"
 
@@ -83,7 +91,7 @@ def test_every_page_says_what_the_program_says():
         parts = re.findall(r"(?m)^## (.*)", page)
         assert [part for part in parts if part != "Example"] == ["What it means", "Why it matters", "Use instead"]
         files = [path for path in BROKEN if code in {found for found, _, _ in expected(path)}]
-        said = [p for path in files for p in check([path]).problems]
+        said = [p for path in files for p in problems_in(path)]
         assert any(f"{p.severity}[{code}]: {p.message}\n   = help: {p.hint}\n" in page for p in said), code
         if example := re.search(r"(?s)## Example\n\n```turtle\n(.*?)```", page):
             lines = {line.rstrip(" ;.") for path in files for line in path.read_text(encoding="utf-8").splitlines()}

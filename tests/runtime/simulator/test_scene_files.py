@@ -13,7 +13,7 @@ import pytest
 
 from runtime.simulator.scene_cache import SceneCache
 
-pytestmark = pytest.mark.sim
+pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("scene_files")]
 
 STEP = """
 import hashlib, json, logging, sys

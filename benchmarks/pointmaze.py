@@ -133,7 +133,7 @@ def _tried(step: Step) -> dict[str, Any]:
         return {}
     return {
         "retained": found.retained,
-        "tried": [[local_name(t.diagnosis.failure), t.mechanism, t.better] for t in found.tried],
+        "tried": [[local_name(t.diagnosis.failure), t.mechanism, t.better, t.evaluations] for t in found.tried],
     }
 
 
@@ -192,7 +192,21 @@ def _of_row(name: str, rows: Sequence[Row]) -> dict[str, float]:
         pairs = np.array([plan["truth"][place] for plan in made])
         found[f"{name}_{fact}.false_satisfied"] = float((pairs[:, 0] & ~pairs[:, 1]).mean())
         found[f"{name}_{fact}.false_missing"] = float((~pairs[:, 0] & pairs[:, 1]).mean())
-    return found
+    return found | _answers(name, made)
+
+
+def _answers(name: str, plans: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """How often each mechanism answered each predicted failure, and in what share its plan took the best one's place.
+
+    A mechanism that has no plan to offer spends no evaluations, and is no answer.
+    """
+    answers: dict[str, list[bool]] = {}
+    for plan in plans:
+        for failure, mechanism, better, *spent in plan.get("tried", ()):
+            if spent and spent[0]:
+                answers.setdefault(f"{name}.{failure}.{mechanism}", []).append(better)
+    shares = {f"{key}.better": float(np.mean(some)) for key, some in answers.items()}
+    return {f"{key}.answers": len(some) for key, some in answers.items()} | shares
 
 
 @cache

@@ -6,6 +6,8 @@ from typing import Any
 
 from benchmarks.markdown import rate, table
 from benchmarks.pointmaze import BLOCKS, COMPARED, SPEED_METRICS, fact_names
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.schema import local_name
 from runtime.planning.pointmaze.rows import ROWS
 
 __all__ = ["pointmaze_table"]
@@ -23,7 +25,10 @@ def pointmaze_table(result: dict[str, Any]) -> str:
         "trials of the mean over models, intervals are over trials; *of the ceiling*: the distance over that of the "
         "same search on the true dynamics."
     )
-    parts = (_of_rows(names, m), total, _compared(m), _by_block(names, m), _predicted(names, m), _speed(m))
+    parts = (
+        *(_of_rows(names, m), total, _compared(m), _by_block(names, m), _predicted(names, m), _answered(names, m)),
+        _speed(m),
+    )
     return "\n\n".join(part for part in parts if part)
 
 
@@ -78,6 +83,25 @@ def _predicted(names: list[str], m: Metrics) -> str:
     ]
     heads = ("row", *(f"`{fact}` {what.replace('_', ' ')}" for fact in facts for what in _FALSE))
     return table(heads, lines) if lines else ""
+
+
+def _answered(names: list[str], m: Metrics) -> str:
+    """Of each predicted failure and each mechanism that answered it: how often, and how often to the better."""
+    schema = load_knowledge().schema
+    called = {local_name(failure): schema.notations.get(failure, local_name(failure)) for failure in schema.failures}
+    kinds = sorted({tuple(name.split(".")[1:3]) for name in m if name.endswith(".answers")})
+    rows = [name for name in names if any(f"{name}.{failure}.{mechanism}.answers" in m for failure, mechanism in kinds)]
+    lines = [
+        (f"`{called[failure]}`", f"`{mechanism}`", *(_share(m, f"{name}.{failure}.{mechanism}") for name in rows))
+        for failure, mechanism in kinds
+    ]
+    return (
+        table(("predicted failure", "answered by", *(f"`{name}`: bettered" for name in rows)), lines) if lines else ""
+    )
+
+
+def _share(m: Metrics, name: str) -> str:
+    return f"{m[f'{name}.better']:.2f} of {m[f'{name}.answers']:,}" if f"{name}.answers" in m else "—"
 
 
 def _speed(m: Metrics) -> str:

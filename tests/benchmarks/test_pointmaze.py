@@ -59,10 +59,20 @@ def test_every_row_is_run_on_every_trial_and_what_asks_no_model_once():
 
 def test_the_page_has_a_line_for_each_row_that_was_run_and_each_pair_of_them():
     seen = {"truth": [[True, False], [False, False], [True, True]], "margin": [[0.1, -0.1], [-0.2, -0.3], [0.4, 0.4]]}
-    rows = [{**played("search", k, 0.2, 1), "predicted": [seen]} for k in range(4)]
+    tried = [
+        ["VelocityMismatch", "match_velocity", True, 2700],
+        ["EntityMissing", "waypoint", False, 3000],
+        ["EntityMissing", "longer_horizon", False, 0],
+    ]
+    rows = [{**played("search", k, 0.2, 1), "predicted": [{**seen, "tried": tried[k:]}]} for k in range(4)]
     rows += [played("undirected_search", k, 0.4, 1) for k in range(4)]
     lines = pointmaze_table({"metrics": POINTMAZE.metrics(rows)}).splitlines()
     assert sum(line.startswith("| `search` |") for line in lines) == 3  # how it did, by block, what it predicted
     assert sum(line.startswith("| `undirected_search` |") for line in lines) == 2
     assert any(line.startswith("| `search` less `undirected_search` | -0.200 [-0.200, -0.200] |") for line in lines)
     assert "| `search` | 1.000 | 0.000 | 0.000 | 0.000 | 0.000 | 0.000 |" in lines
+    answers = [
+        "| `missing_entity_on_target` | `waypoint` | 0.00 of 2 |",
+        "| `velocity_mismatch` | `match_velocity` | 1.00 of 1 |",
+    ]
+    assert [line for line in lines if line.startswith(("| `missing", "| `velocity"))] == answers

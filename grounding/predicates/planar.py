@@ -87,8 +87,12 @@ def free_of(scene: Scene, fact: Fact, schema: Schema) -> Grounding:
 
 
 def apart(first: NDArray[np.floating], second: NDArray[np.floating]) -> NDArray[np.float64]:
-    """The distance of points, or velocities, (..., 2) from others (..., 2): (...)."""
-    return np.asarray(np.linalg.norm(np.subtract(first, second, dtype=np.float64), axis=-1))
+    """The distance of points, or velocities, (..., 2) from others (..., 2): (...).
+
+    It is numpy's norm of each difference alone, to the last bit, which its norm along an axis is not.
+    """
+    gap = np.subtract(first, second, dtype=np.float64)
+    return np.asarray(np.sqrt(np.vecdot(gap, gap)))
 
 
 def clearance(points: NDArray[np.float64], boxes: NDArray[np.float64]) -> NDArray[np.float64]:

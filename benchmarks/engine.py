@@ -57,10 +57,9 @@ def _read(path: Path) -> Iterator[tuple[str, list[Row]]]:
 
 
 def _run_all(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator[tuple[str, list[Row]]]:
-    together = [] if jobs <= 1 or len(trials) <= 1 else [trial for trial in trials if not protocol.alone(trial)]
-    yield from _run_together(protocol, together, jobs)
-    started = {trial["key"] for trial in together}
-    yield from (_run_one(protocol, trial) for trial in trials if trial["key"] not in started)
+    single = jobs <= 1 or len(trials) <= 1
+    yield from _run_together(protocol, [trial for trial in trials if not single and not protocol.alone(trial)], jobs)
+    yield from (_run_one(protocol, trial) for trial in trials if single or protocol.alone(trial))
 
 
 def _run_together(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator[tuple[str, list[Row]]]:

@@ -7,10 +7,11 @@ import torch
 
 from grounding.world_model.checkpoint import load
 from grounding.world_model.model import FILES, load_world_model
-from runtime.training import STAGES, fit, heads, motion, pointmaze
+from runtime.training import STAGES
 from runtime.training.pointmaze import Course, train
 from runtime.training.stages import Place
 from tests.gpu import DEVICE, Gpu
+from tests.interruption import interrupted
 
 pytestmark = pytest.mark.sim
 COURSE = Course(
@@ -24,14 +25,6 @@ COURSE = Course(
     estimate=4,
     heads=4,
 )
-
-
-@pytest.fixture
-def quick(monkeypatch):
-    """Few rows in a batch, and few trajectories to test on."""
-    for module, name in ((motion, "_BATCH"), (motion, "_SEGMENTS"), (heads, "_SEGMENTS")):
-        monkeypatch.setattr(module, name, 16)
-    monkeypatch.setattr(pointmaze, "_TEST", 8)
 
 
 def trained(folder, device):
@@ -51,28 +44,13 @@ def test_every_stage_trains_on_the_device_as_it_does_on_the_cpu(quick, tmp_path)
         assert torch.allclose(ours, theirs, atol=1e-4)
 
 
-def test_an_interrupted_training_goes_on_on_the_device(quick, tmp_path, monkeypatch):
-    class StoppedError(Exception):
-        pass
-
-    monkeypatch.setattr(fit, "_KEPT_EVERY", 0.0)
+def test_an_interrupted_training_goes_on_on_the_device(quick, tmp_path):
     with Gpu():
         trained(tmp_path / "whole", DEVICE)
         place = Place(tmp_path / "cut", device=DEVICE)
         train("projection", COURSE, place, "", "", lambda _text: None)
-        kept, count = fit.save, 0
-
-        def stop(*arguments):
-            nonlocal count
-            kept(*arguments)
-            count += 1
-            if count == 3:
-                raise StoppedError
-
-        with monkeypatch.context() as patch:
-            patch.setattr(fit, "save", stop)
-            with pytest.raises(StoppedError):
-                train("dynamics", COURSE, place, "", "", lambda _text: None)
+        with interrupted(saves=3):
+            train("dynamics", COURSE, place, "", "", lambda _text: None)
         train("dynamics", COURSE, place, "", "", lambda _text: None)
     whole, cut = (load(tmp_path / name / FILES["dynamics"], "dynamics") for name in ("whole", "cut"))
     assert whole.identity == cut.identity

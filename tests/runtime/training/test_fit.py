@@ -4,15 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
 import torch
 
-from runtime.training import fit as fitting
 from runtime.training.fit import Schedule, fit
-
-
-class StoppedError(Exception):
-    """An interruption."""
+from tests.interruption import interrupted
 
 
 def network() -> torch.nn.Module:
@@ -20,14 +15,8 @@ def network() -> torch.nn.Module:
     return torch.nn.Sequential(torch.nn.Linear(2, 16), torch.nn.SiLU(), torch.nn.Linear(16, 1))
 
 
-def loss_of(module: torch.nn.Module, stop_at: int | None = None):
-    calls = 0
-
+def loss_of(module: torch.nn.Module):
     def loss(random: torch.Generator) -> torch.Tensor:
-        nonlocal calls
-        calls += 1
-        if calls == stop_at:
-            raise StoppedError
         rows = torch.rand((64, 2), generator=random)
         return (module(rows)[:, 0] - rows.prod(dim=1)).square().mean()
 
@@ -42,14 +31,13 @@ def test_the_loss_falls(tmp_path: Path):
     assert said[-1] < 0.3 * float(loss_of(network())(torch.Generator().manual_seed(0)).detach())
 
 
-def test_an_interrupted_run_ends_as_one_that_was_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_an_interrupted_run_ends_as_one_that_was_not(tmp_path: Path):
     whole = network()
     fit(whole, loss_of(whole), Schedule(60), 3, tmp_path / "whole")
-    monkeypatch.setattr(fitting, "_KEPT_EVERY", 0.0)
     kept = tmp_path / "kept"
     first = network()
-    with pytest.raises(StoppedError):
-        fit(first, loss_of(first, stop_at=31), Schedule(60), 3, kept)
+    with interrupted(saves=30):
+        fit(first, loss_of(first), Schedule(60), 3, kept)
     assert kept.exists()
     second = network()
     fit(second, loss_of(second), Schedule(60), 3, kept)
@@ -69,11 +57,10 @@ def test_what_was_fitted_to_other_data_is_fitted_again(tmp_path: Path):
     assert steps == [100, 100]
 
 
-def test_what_another_seed_kept_is_not_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(fitting, "_KEPT_EVERY", 0.0)
+def test_what_another_seed_kept_is_not_gone_on_with(tmp_path: Path):
     kept, module = tmp_path / "kept", network()
-    with pytest.raises(StoppedError):
-        fit(module, loss_of(module, stop_at=10), Schedule(20), 3, kept)
+    with interrupted(saves=9):
+        fit(module, loss_of(module), Schedule(20), 3, kept)
     steps: list[int] = []
     other, straight = network(), network()
     fit(other, loss_of(other), Schedule(20), 4, kept, lambda step, _loss: steps.append(step))

@@ -20,6 +20,7 @@ from runtime.training.libero.measure import tell
 from runtime.training.libero.scene import SceneFacts
 from runtime.training.libero.train import FilmPlace, load_windows, train
 from tests.gpu import DEVICE, Gpu
+from tests.interruption import interrupted
 from tests.runtime.training.libero.test_windows import FACTS
 
 COURSE = Course(
@@ -95,31 +96,13 @@ def test_temperatures_make_the_held_out_truth_likelier(trained):
     assert torch.allclose(head.temperature, before)
 
 
-def test_an_interrupted_stage_ends_as_one_that_was_not(trained, tmp_path, monkeypatch):
-    from runtime.training import fit as fitting
-
+def test_an_interrupted_stage_ends_as_one_that_was_not(trained, tmp_path):
     place, _ = trained
     for name in ("projection", "dynamics"):
         (tmp_path / FILES[name]).write_bytes((place.folder / FILES[name]).read_bytes())
-    monkeypatch.setattr(fitting, "_KEPT_EVERY", 0.0)
     other = FilmPlace(tmp_path, place.data)
-    saved, calls = fitting.save, 0
-
-    class StoppedError(Exception):
-        pass
-
-    def stop(*arguments):
-        nonlocal calls
-        saved(*arguments)
-        calls += 1
-        if calls == 12:
-            raise StoppedError
-
-    monkeypatch.setattr(fitting, "save", stop)
-    with pytest.raises(StoppedError):
+    with interrupted(saves=12):
         train("facts", COURSE, other, "onto train libero facts", "", quiet)
-    monkeypatch.setattr(fitting, "save", saved)
-    monkeypatch.setattr(fitting, "_KEPT_EVERY", 20.0)
     train("facts", COURSE, other, "onto train libero facts", "", quiet)
     assert (tmp_path / FILES["facts"]).read_bytes() == (place.folder / FILES["facts"]).read_bytes()
 

@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from onto_compiler.command import CLEAN, Command, add_format, print_json
 from onto_compiler.problems import OntoError
@@ -27,6 +28,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "stages", nargs="*", metavar="STAGE", help=f"some of {', '.join(STAGES)}, in this order (default: all)"
     )
     parser.add_argument("--seed", type=int, default=0, help="decides data, beginnings and batches (default 0)")
+    parser.add_argument("--encoder", metavar="NAME", help="what reads the pictures (default: lite0)")
     parser.add_argument("--out", type=Path, metavar="DIR", help="default: out/models/WORLD/SEED")
     parser.add_argument("--threads", type=int, default=0, metavar="N", help="of torch (default: all)")
     parser.add_argument("--demos", type=Path, metavar="DIR", help="libero: demonstrations that are there already")
@@ -45,15 +47,19 @@ def _run(options: argparse.Namespace) -> int:
         raise OntoError.of(
             "CLI002", f"`{options.world}` has no demonstrations to choose", "leave --demos and --count out"
         )
+    stages = options.stages or STAGES
+    if options.encoder is not None and "projection" not in stages:
+        message = "an encoder is chosen where the projection is made, and later stages read what that one reads"
+        raise OntoError.of("CLI002", message, "leave --encoder out, or begin with `projection`")
     if options.threads:
         torch.set_num_threads(options.threads)
     folder = options.out or Path("out/models") / options.world / str(options.seed)
     commit = git(Path(__file__).parent, "rev-parse", "HEAD")
     stage_of = _pointmaze(options, folder) if options.world == "pointmaze" else _libero(options, folder)
     metrics = {}
-    for stage in options.stages or STAGES:
+    for stage in stages:
         begun = time.perf_counter()
-        command = f"onto train {options.world} {stage} --seed {options.seed}{_chosen(options)}"
+        command = f"onto train {options.world} {stage} --seed {options.seed}{_chosen(options, stage)}"
         found = stage_of(stage, command, commit, lambda text: _say(options, text))
         metrics[stage] = {**found, "seconds": round(time.perf_counter() - begun, 1)}
         if options.format == "text":
@@ -70,7 +76,7 @@ def _pointmaze(options: argparse.Namespace, folder: Path) -> Stage:
     from runtime.training.pointmaze import Course, train  # noqa: PLC0415 - as above
     from runtime.training.stages import Place  # noqa: PLC0415
 
-    course, place = Course(seed=options.seed), Place(folder)
+    course, place = Course(seed=options.seed, **_given(encoder=_encoder(options, folder))), Place(folder)
     return lambda stage, command, commit, say: train(stage, course, place, command, commit, say)
 
 
@@ -81,15 +87,35 @@ def _libero(options: argparse.Namespace, folder: Path) -> Stage:
 
     if options.count is not None and options.count < 1:
         raise OntoError.of("CLI002", f"--count must be at least 1, and is {options.count}")
-    course = Course(seed=options.seed) if options.count is None else Course(seed=options.seed, demos=options.count)
+    given = _given(encoder=_encoder(options, folder), demos=options.count)
+    course = Course(seed=options.seed, **given)
     place = FilmPlace(folder, folder.parent / "data", options.demos, options.threads or available_jobs())
     return lambda stage, command, commit, say: train(stage, course, place, command, commit, say)
 
 
-def _chosen(options: argparse.Namespace) -> str:
+def _encoder(options: argparse.Namespace, folder: Path) -> str | None:
+    """What is asked for; where the projection is there already, what that was made for."""
+    from grounding.world_model.checkpoint import read_card  # noqa: PLC0415 - as above
+    from grounding.world_model.model import FILES  # noqa: PLC0415
+
+    if "projection" in (options.stages or STAGES):
+        return options.encoder
+    return read_card(folder / FILES["projection"]).data.get("encoder")
+
+
+def _given(**options: Any) -> dict[str, Any]:  # noqa: ANN401 - of any type
+    """Those that are not None, so that defaults stay with what has them."""
+    return {name: value for name, value in options.items() if value is not None}
+
+
+def _chosen(options: argparse.Namespace, stage: str) -> str:
     """What of the command decides the data, for the card, without a path of this machine."""
-    count = "" if options.count is None else f" --count {options.count}"
-    return f"{count} --demos DIR" if options.demos is not None else count
+    chosen = ""
+    if options.encoder is not None and stage == "projection":
+        chosen += f" --encoder {options.encoder}"
+    if options.count is not None:
+        chosen += f" --count {options.count}"
+    return f"{chosen} --demos DIR" if options.demos is not None else chosen
 
 
 def _say(options: argparse.Namespace, text: str) -> None:

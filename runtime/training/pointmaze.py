@@ -83,7 +83,7 @@ def _projection(course: Course, place: Place, card: Card, say: Say) -> Mapping[s
     maze, base = maze_named(course.maze), encoder(course.encoder, place.device)
     found = _trajectories(course, "train")
     raw = _pictures(maze, found, base, place, say)
-    projection = fit_projection(np.asarray(raw[:: max(len(raw) // 10_000, 1)]), course.components)
+    projection = fit_projection(np.asarray(raw[:: max(len(raw) // 10_000, 1)]), min(course.components, raw.shape[1]))
     metrics = {"variance_kept": projection.share}
     about = replace(card, sees="pixels", metrics=metrics)
     save_projection(place.folder / FILES["projection"], Projected(base, projection), about)
@@ -105,7 +105,7 @@ def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str
     }
     parameters: dict[str, Any] = {
         "motion": motion,
-        "features": course.components,
+        "features": seen.shape[0],
         "feature_scale": float(np.asarray(frames.features).std()),
         "macro": MACRO_STEPS,
     }
@@ -228,5 +228,5 @@ def _pictures(maze: Maze, found: Trajectories, base: Any, place: Place, say: Say
 def _frames(course: Course, split: Split, seen: Projected, place: Place, say: Say) -> Frames:
     found = _trajectories(course, split)
     raw = _pictures(maze_named(course.maze), found, seen.encoder, place, say)
-    features = seen.projection(np.asarray(raw)).reshape(len(found.states), -1, course.components)
+    features = seen.projection(np.asarray(raw)).reshape(len(found.states), -1, *seen.shape)
     return Frames(found.states.astype(np.float32), found.actions.astype(np.float32), features, place.device)

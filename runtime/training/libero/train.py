@@ -22,7 +22,7 @@ from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.training.fit import Schedule
 from runtime.training.libero.course import Course
-from runtime.training.libero.film import MACRO
+from runtime.training.libero.film import MACRO, PIXELS
 from runtime.training.libero.hand import PLACES, SIZE
 from runtime.training.libero.heads import Sampler, calibrate, event_loss, fact_loss, sensed_still
 from runtime.training.libero.library import Filmed, Shoot, filmed
@@ -78,12 +78,13 @@ def load_windows(course: Course, place: FilmPlace, split: str, seen: Projected, 
 
 
 def _projection(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
+    base = encoder(course.encoder, place.device)
+    base.encode(np.zeros((0, PIXELS, PIXELS, 3), dtype=np.uint8))  # films take hours: refused before, if at all
     films = _of_split(course, place, "train", say)
     rows, draw = pictures_of(films)
     some = rows[:: -(-len(rows) // _FITTED)]
-    base = encoder(course.encoder, place.device)
     raw = np.concatenate([base.encode(draw(some[start : start + 256])) for start in range(0, len(some), 256)])
-    projection = fit_projection(raw, course.components)
+    projection = fit_projection(raw, min(course.components, raw.shape[1]))
     metrics = {"variance_kept": projection.share, "pictures": float(len(some)), "films": float(len(films))}
     save_projection(
         place.folder / FILES["projection"],
@@ -107,7 +108,7 @@ def _dynamics(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping
     }
     parameters: dict[str, Any] = {
         "motion": motion,
-        "features": course.components,
+        "features": seen.shape[0],
         "feature_scale": float(frames.features.std()),
         "macro": MACRO,
     }

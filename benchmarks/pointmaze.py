@@ -113,16 +113,20 @@ def _timed(what: str) -> Row:
 
 
 def _predicted(played: Played) -> Iterator[dict[str, Any]]:
-    """Of each plan: facts as predicted and as simulated of its end, and what a search tried."""
+    """Of each plan: facts as predicted (None where not observed) and as simulated of its end, and what was tried."""
     facts = _facts()
     for step in played.steps:
         seen = step.made.predicted
         if seen is None:
             continue
         true = facts.observe(step.states[-1], played.trial.goal)
+        known = seen.observed
         yield {
-            "truth": [[bool(p), bool(s)] for p, s in zip(seen.truth, true.truth, strict=True)],
-            "margin": [[round(float(p), 4), round(float(s), 4)] for p, s in zip(seen.margin, true.margin, strict=True)],
+            "truth": [[bool(p) if k else None, bool(s)] for k, p, s in zip(known, seen.truth, true.truth, strict=True)],
+            "margin": [
+                [round(float(p), 4) if k else None, round(float(s), 4)]
+                for k, p, s in zip(known, seen.margin, true.margin, strict=True)
+            ],
             **_tried(step),
         }
 
@@ -189,9 +193,10 @@ def _of_row(name: str, rows: Sequence[Row]) -> dict[str, float]:
             found[f"{name}_{block}_distance"] = float(np.mean([row["distance"] for row in some]))
     made = [plan for row in rows for plan in row["predicted"]]
     for place, fact in enumerate(fact_names() if made else ()):
-        pairs = np.array([plan["truth"][place] for plan in made])
-        found[f"{name}_{fact}.false_satisfied"] = float((pairs[:, 0] & ~pairs[:, 1]).mean())
-        found[f"{name}_{fact}.false_missing"] = float((~pairs[:, 0] & pairs[:, 1]).mean())
+        pairs = np.array([plan["truth"][place] for plan in made if plan["truth"][place][0] is not None])
+        if len(pairs):
+            found[f"{name}_{fact}.false_satisfied"] = float((pairs[:, 0] & ~pairs[:, 1]).mean())
+            found[f"{name}_{fact}.false_missing"] = float((~pairs[:, 0] & pairs[:, 1]).mean())
     return found | _answers(name, made)
 
 

@@ -74,10 +74,10 @@ def _by_block(names: list[str], m: Metrics) -> str:
 
 
 def _predicted(names: list[str], m: Metrics) -> str:
-    """Shares of executed plans whose end was predicted otherwise than the simulator showed."""
+    """Shares of executed plans whose end was predicted otherwise than the simulator showed, where it was observed."""
     facts = fact_names()
     lines = [
-        (f"`{name}`", *(f"{m[f'{name}_{fact}.{what}']:.3f}" for fact in facts for what in _FALSE))
+        (f"`{name}`", *(_shown(m, f"{name}_{fact}.{what}") for fact in facts for what in _FALSE))
         for name in names
         if f"{name}_{facts[0]}.{_FALSE[0]}" in m
     ]

@@ -139,7 +139,7 @@ def _plan(plan: ExecutedPlan, episode: Episode, schema: Schema) -> dict[str, Any
                 "truth": bool(plan.simulated.truth[i]),
                 "margin": _number(float(plan.simulated.margin[i])),
                 "unit": unit_of(fact, schema),
-                "predicted": None if plan.predicted is None else bool(plan.predicted.truth[i]),
+                "predicted": bool(plan.predicted.truth[i]) if plan.predicted and plan.predicted.observed[i] else None,
                 "predicted_margin": None if plan.predicted is None else _number(float(plan.predicted.margin[i])),
                 "score": None if plan.predicted is None else _number(float(plan.predicted.score[i])),
             }

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from grounding.observation import Observation
 from grounding.world_model.dynamics import Imagined, spread
@@ -36,11 +37,12 @@ class Goal:
 class Predicted:
     """Of candidates and required facts, each (..., F): ``margin`` in the TBox's unit, ``score`` from 0 to 1.
 
-    Both are means over the members of the dynamics.
+    Both are means over the members of the dynamics. Where a fact is not ``observed`` (F,), they are what is usual.
     """
 
     margin: torch.Tensor
     score: torch.Tensor
+    observed: NDArray[np.bool_]
 
     def observation(self, *candidate: int, step: int) -> Observation:
         """The predicted ABox of one candidate at an environment step."""
@@ -49,20 +51,26 @@ class Predicted:
         return Observation(
             source="pred",
             step=step,
-            observed=np.ones(len(margin), dtype=np.bool_),
-            truth=score > 0.5,
-            margin=margin,
-            score=score,
+            observed=self.observed,
+            truth=self.observed & (score > 0.5),
+            margin=np.where(self.observed, margin, np.nan),
+            score=np.where(self.observed, score, np.nan),
             limit=("",) * len(margin),
         )
 
 
 class PredGrounder:
-    """Grounds ``facts`` by ``head``, whose columns it puts in their order."""
+    """Grounds ``facts`` by ``head``, whose columns it puts in their order.
 
-    def __init__(self, head: FactHead, facts: Sequence[Fact], file: str = "") -> None:
+    ``observed`` (F,): the facts that what is sensed tells anything of, all of them where nothing is said.
+    """
+
+    def __init__(
+        self, head: FactHead, facts: Sequence[Fact], file: str = "", observed: Sequence[bool] | None = None
+    ) -> None:
         """Raises ``WM013``, a problem for each fact that the head was not trained for."""
         self.head, self.facts = head, tuple(facts)
+        self.observed = np.array([True] * len(facts) if observed is None else observed, dtype=np.bool_)
         missing = [fact for fact in facts if local_name(fact.predicate) not in head.facts]
         if missing:
             known = ", ".join(f"`{name}`" for name in head.facts)
@@ -77,7 +85,8 @@ class PredGrounder:
             features, proprio = features[:, :, -1], proprio[:, :, -1]
         doubt = spread(proprio, self.head.scaling.scale)
         margin, logit = self.head(features, proprio, goal.features, goal.proprio, doubt, goal.sensed)
-        return Predicted(margin.mean(dim=0)[..., self._columns], logit.sigmoid().mean(dim=0)[..., self._columns])
+        margin, score = (each.mean(dim=0)[..., self._columns] for each in (margin, logit.sigmoid()))
+        return Predicted(margin, score, self.observed)
 
 
 class ScenePredGrounder:
@@ -99,7 +108,8 @@ class ScenePredGrounder:
         if not every:
             features, proprio = features[:, :, -1], proprio[:, :, -1]
         margin, logit = self.head(features, proprio, spread(proprio, self.head.scaling.scale), sensed)
-        return Predicted(margin.mean(dim=0)[..., self._columns], logit.sigmoid().mean(dim=0)[..., self._columns])
+        margin, score = (each.mean(dim=0)[..., self._columns] for each in (margin, logit.sigmoid()))
+        return Predicted(margin, score, np.ones(len(self.facts), dtype=np.bool_))
 
 
 def _untrained(fact: Fact, file: str, hint: str) -> Problem:

@@ -12,13 +12,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import torch
 
 from grounding.observation import Observation
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import local_name
-from onto_compiler.tables import FIRST, REPEAT
+from onto_compiler.tables import ABSENT, FIRST, REPEAT
 from runtime.diagnosis import diagnose_goal, select, unmet
 from runtime.planning.cem import Found
 from runtime.planning.mechanisms import Mechanism
@@ -72,6 +73,8 @@ def improve(
 ) -> Searched:
     """Better ``first`` until its predicted facts hold, no route is left, or ``allowance`` evaluations are spent.
 
+    A fact without evidence is left as it is: whatever plan is imagined, nothing is seen of it.
+
     ``mechanisms`` by the local name of their route. One of ``instead``, drawn at random, is asked in the place of what
     the rules choose: a control of the same budget and the same rule of acceptance.
     """
@@ -79,7 +82,7 @@ def improve(
     spent, tried = COPIES, list[Tried]()
     refused = dict[int, list[str]]()  # of each fact, the routes that did not better the best plan
     while spent < allowance:
-        found = diagnose_goal(required, seen, knowledge.tables)
+        found = [each for each in diagnose_goal(required, seen, knowledge.tables) if each.status != ABSENT]
         if not found:
             break
         left = [diagnosis for diagnosis in found if len(refused.get(diagnosis.index, ())) < _PATIENCE]
@@ -111,16 +114,14 @@ def improve(
 
 
 def _standing(required: RequiredABox, plan: Found, seen: Observation, cost: float) -> tuple[int, int, float, float]:
-    """What plans are compared by, the less the better."""
-    lack = 0.0
-    for index, fact in enumerate(required.facts):
+    """What plans are compared by, the less the better: all that is observed of them, and their cost."""
+    false, lack = 0, 0.0
+    for index in np.flatnonzero(seen.observed):
+        fact = required.facts[index]
         margin = float(seen.margin[index]) * (1 if fact.polarity else -1)
+        false += bool(seen.truth[index]) is not fact.polarity
         lack += max(fact.threshold - margin, 0.0)
-    return len(required.facts) - _true(required, seen), len(plan.actions), lack, cost
-
-
-def _true(required: RequiredABox, seen: Observation) -> int:
-    return sum(bool(truth) is fact.polarity for truth, fact in zip(seen.truth, required.facts, strict=True))
+    return false, len(plan.actions), lack, cost
 
 
 def _shuffled(names: Iterable[str], random: torch.Generator) -> list[str]:

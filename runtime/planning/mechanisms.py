@@ -120,14 +120,14 @@ def again(question: Question, best: Found, diagnosis: Diagnosis, random: torch.G
 
 
 def _urging(question: Question, diagnosis: Diagnosis) -> Callable[[Imagined], torch.Tensor]:
-    """The question's cost, and on top what margins lack of what is required, the diagnosed one's twice over.
+    """The question's cost, and on top what observed margins lack of what is required, the diagnosed one's twice over.
 
     Were the others left out, a plan would be bettered in one fact by giving up another.
     """
     facts = question.grounder.facts
     sign = torch.tensor([1.0 if fact.polarity else -1.0 for fact in facts])
     least = torch.tensor([fact.threshold for fact in facts])
-    weight = torch.full((len(facts),), _URGENT)
+    weight = _URGENT * torch.from_numpy(question.grounder.observed).float()
     weight[diagnosis.index] *= 2
 
     def price(imagined: Imagined) -> torch.Tensor:

@@ -100,7 +100,8 @@ class Question:
         with torch.no_grad():
             imagined = self._copied(found.actions[None])
             facts = self.grounder.ground(imagined, self.goal)
-            mean = Predicted(facts.margin.mean(dim=0, keepdim=True), facts.score.mean(dim=0, keepdim=True))
+            margin, score = (each.mean(dim=0, keepdim=True) for each in (facts.margin, facts.score))
+            mean = Predicted(margin, score, facts.observed)
             return mean.observation(0, step=len(found.actions)), float(self.price(imagined).mean())
 
     def _copied(self, actions: torch.Tensor) -> Imagined:

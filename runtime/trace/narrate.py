@@ -187,22 +187,41 @@ def plan_sentences(plan: ExecutedPlan, facts: Sequence[Fact], schema: Schema) ->
     executed = f", {_MODES[plan.mode]} in {plan.steps} control steps" if plan.mode == "controller" else ""
     yield f"{made}{executed}."
     for index, fact in enumerate(facts):
-        unit = unit_of(fact, schema)
-        came = "holds" if plan.simulated.truth[index] else "does not hold"
-        told = f"{came} in the simulator ({amount(float(plan.simulated.margin[index]), unit)})"
-        if plan.predicted is not None:
-            pair = bool(plan.predicted.truth[index]), bool(plan.simulated.truth[index])
-            mistake = {(True, False): ", falsely satisfied", (False, True): ", falsely missing"}.get(pair, "")
-            score = float(plan.predicted.score[index])
-            sure = "" if isnan(score) else f", score {score:.2f}"
-            margin = amount(float(plan.predicted.margin[index]), unit)
-            told = f"predicted {'' if pair[0] else 'not '}to hold ({margin}{sure}), {told}{mistake}"
-        yield f"Fact: {atom(fact, schema)}: {told}."
+        yield f"Fact: {atom(fact, schema)}: {_came_true(plan, index, unit_of(fact, schema))}."
     if plan.predicted is not None:
-        unmet = [f"{atom(d.fact, schema)} ({short_name(d.failure, schema)})" for d in plan.diagnoses]
-        said = f"is predicted to lack {_listed(unmet)}" if unmet else "is predicted to meet the goal and was retained"
-        yield f"Diagnosis: the plan {said}."
+        yield f"Diagnosis: the plan {_predicted_of(plan, schema)}."
     yield _verified(plan.verification)
+
+
+def _predicted_of(plan: ExecutedPlan, schema: Schema) -> str:
+    """What the predicted ABox of a plan lacks."""
+    lacking = [each for each in plan.diagnoses if each.status != ABSENT]
+    unseen = [atom(each.fact, schema) for each in plan.diagnoses if each.status == ABSENT]
+    unknown = f"; of {_listed(unseen)} there is no evidence" if unseen else ""
+    if lacking:
+        facts = [f"{atom(each.fact, schema)} ({short_name(each.failure, schema)})" for each in lacking]
+        return f"is predicted to lack {_listed(facts)}{unknown}"
+    return (
+        f"is predicted to meet the goal as far as it is observed{unknown}"
+        if unseen
+        else ("is predicted to meet the goal and was retained")
+    )
+
+
+def _came_true(plan: ExecutedPlan, index: int, unit: str) -> str:
+    """What was predicted of a fact, what the simulator showed of it, and whether the prediction was a mistake."""
+    came = "holds" if plan.simulated.truth[index] else "does not hold"
+    told = f"{came} in the simulator ({amount(float(plan.simulated.margin[index]), unit)})"
+    if plan.predicted is None:
+        return told
+    if not plan.predicted.observed[index]:
+        return f"not predicted, without evidence of it; {told}"
+    pair = bool(plan.predicted.truth[index]), bool(plan.simulated.truth[index])
+    mistake = {(True, False): ", falsely satisfied", (False, True): ", falsely missing"}.get(pair, "")
+    score = float(plan.predicted.score[index])
+    sure = "" if isnan(score) else f", score {score:.2f}"
+    margin = amount(float(plan.predicted.margin[index]), unit)
+    return f"predicted {'' if pair[0] else 'not '}to hold ({margin}{sure}), {told}{mistake}"
 
 
 def _applied(application: Application) -> str:
@@ -280,7 +299,7 @@ def _state(when: str, facts: Sequence[Fact], observation: Observation, schema: S
         SATISFIED: "holds",
         ABSENT: "is not observed",
         EXPLICITLY_FALSE: "is unmet",
-        MARGIN_VIOLATED: "is too close",
+        MARGIN_VIOLATED: "holds by too little",
     }
     for index, code in enumerate(evidence_status(facts, observation)):
         fact = facts[index]

@@ -45,6 +45,13 @@ def test_no_row_is_named_as_the_block_of_another():
     assert not {f"{row}_{block}" for row in ROWS for block in BLOCKS} & set(ROWS)
 
 
+def test_a_fact_that_was_not_observed_is_predicted_neither_falsely_nor_truly():
+    seen = {"truth": [[True, False], [None, False], [True, True]], "margin": [[0.1, -0.1], [None, -1], [0.4, 0.4]]}
+    rows = [{**played("search_blind", k, 0.2, 1), "predicted": [seen]} for k in range(2)]
+    lines = pointmaze_table({"metrics": POINTMAZE.metrics(rows)}).splitlines()
+    assert "| `search_blind` | 1.000 | 0.000 | — | — | 0.000 | 0.000 |" in lines
+
+
 def test_comparisons_are_of_rows_that_exist():
     assert {name for pair in COMPARED.values() for name in pair} <= set(ROWS)
     assert len(COMPARED) == 8

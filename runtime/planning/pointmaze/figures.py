@@ -87,12 +87,12 @@ def _margins(played: Played, facts: MazeFacts, schema: Schema) -> Iterator[Html]
             predicted.append((begun + MACRO_STEPS * np.arange(1, len(margins) + 1), margins))
         begun += len(step.made.actions)
     for index, fact in enumerate(facts.required.facts):
-        along = [(steps, margins[:, index]) for steps, margins in predicted]
+        along = [(steps, margins[:, index]) for steps, margins in predicted if np.isfinite(margins[:, index]).all()]
         unit, name = unit_of(fact, schema), atom(fact, schema)
-        error = np.concatenate([np.abs(margins - true[steps, index]) for steps, margins in along]).mean()
-        told = f"{name}: predicted margins are {error:.2f} {unit} off on average"
-        chart = margin_chart(true[:, index], along, unit, told, fact.threshold)
-        yield element("figure", element("figcaption", code(name), f": {error:.2f} {unit} off on average"), chart)
+        errors = [np.abs(margins - true[steps, index]) for steps, margins in along]
+        told = f"{np.concatenate(errors).mean():.2f} {unit} off on average" if errors else "not observed"
+        chart = margin_chart(true[:, index], along, unit, f"{name}, predicted margins: {told}", fact.threshold)
+        yield element("figure", element("figcaption", code(name), f": {told}"), chart)
 
 
 def _reliability(played: Sequence[Played], facts: MazeFacts, schema: Schema) -> Iterator[Html]:
@@ -108,6 +108,8 @@ def _reliability(played: Sequence[Played], facts: MazeFacts, schema: Schema) -> 
         return
     scores, truths = np.concatenate(score), np.concatenate(held)
     for index, fact in enumerate(facts.required.facts):
+        if np.isnan(scores[:, index]).all():
+            continue
         found = reliability(scores[:, index], truths[:, index])
         name = atom(fact, schema)
         told = f"calibration error {found.error:.3f} over {len(scores)} predictions"

@@ -33,7 +33,7 @@ class Foreseen:
     """What a world model imagines of a plan.
 
     ``paths`` (M, T + 1, 4) of its M members, step by step; ``margin`` and ``score`` (H, F) of the required facts after
-    each macro step.
+    each macro step, NaN where there is no evidence of one.
     """
 
     paths: NDArray[np.float64]

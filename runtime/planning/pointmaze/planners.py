@@ -48,16 +48,15 @@ class ByModel(Planner):
         self,
         model: WorldModel,
         sensor: Sensor,
+        grounder: PredGrounder,
         required: RequiredABox,
         weights: Weights,
         budget: Budget,
         sampling: Sampling,
         guidance: Guidance | None = None,
     ) -> None:
-        """Raises ``WM013`` where the model's fact head was not trained for a required fact."""
-        self._model, self._sensor, self._required = model, sensor, required
+        self._model, self._sensor, self._grounder, self._required = model, sensor, grounder, required
         self._budget, self._sampling, self._guidance = budget, sampling, guidance
-        self._grounder = PredGrounder(model.facts, required.facts, required.source)
         self._scorer = Weighted(weights, model.dynamics, model.events, self._grounder)
         self._goal: Goal | None = None
 
@@ -156,7 +155,8 @@ def _foreseen(question: Question, actions: torch.Tensor) -> Foreseen:
     with torch.no_grad():
         imagined = question.imagine(actions[None])
         facts = question.grounder.ground(imagined, question.goal, every=True)
-    return Foreseen(_array(imagined.path[:, 0]), _array(facts.margin[0]), _array(facts.score[0]))
+    margin, score = (np.where(facts.observed, _array(each[0]), np.nan) for each in (facts.margin, facts.score))
+    return Foreseen(_array(imagined.path[:, 0]), margin, score)
 
 
 def _array(values: torch.Tensor) -> NDArray[np.float64]:

@@ -138,10 +138,15 @@ def _played(who: Planner, wanted: Sequence[int], seed: int) -> Iterator[Played]:
 
 
 def _record(played: Played, facts: MazeFacts) -> dict[str, Any]:
-    """A trial as plain values; ``unmet`` are the facts that the last plan was predicted to lack."""
+    """A trial as plain values; ``unmet`` are the facts that the last plan was predicted to lack, or not observed."""
     seen = played.steps[-1].made.predicted
-    names = [local_name(fact.predicate) for fact in facts.required.facts]
-    lacking = None if seen is None else [names[index] for index in unmet(facts.required, seen)]
+    lacking = None
+    if seen is not None:
+        names = [local_name(fact.predicate) for fact in facts.required.facts]
+        lacking = [
+            names[index] if seen.observed[index] else f"{names[index]} (not observed)"
+            for index in unmet(facts.required, seen)
+        ]
     return {"trial": played.trial.number, **played.figures, "unmet": lacking, "seconds": played.seconds}
 
 

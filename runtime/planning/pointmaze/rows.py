@@ -13,6 +13,7 @@ from pathlib import Path
 
 from grounding.world_model.device import device_named
 from grounding.world_model.model import WorldModel, load_world_model
+from grounding.world_model.pred import PredGrounder
 from onto_compiler.knowledge import load_knowledge
 from runtime.planning.cem import Budget, Sampling
 from runtime.planning.mechanisms import again
@@ -100,6 +101,8 @@ def planner(name: str, folder: Path, device: str = "auto") -> Planner:
     device = device_named(device)
     model = _model(folder, device)
     sensor = Sensor(maze_named(MAZE), model.encoder, row.sensed, model.dynamics.history, device)
+    observed = sensor.observes(required.facts, knowledge.schema)
+    grounder = PredGrounder(model.facts, required.facts, required.source, observed)
     mechanisms = load_routed(knowledge.schema, "onto_evwm.mechanisms", "mechanism", "RUN010")
     guidance: dict[str, Callable[[], Guidance | None]] = {
         "": lambda: None,
@@ -107,7 +110,7 @@ def planner(name: str, folder: Path, device: str = "auto") -> Planner:
         "drawn": lambda: Guidance(knowledge, allowance=ALLOWANCE, instead=mechanisms),
         "undirected": lambda: Guidance(knowledge, allowance=ALLOWANCE, instead={"again": again}),
     }
-    return ByModel(model, sensor, required, weights, row.budget, SAMPLING, guidance[row.after]())
+    return ByModel(model, sensor, grounder, required, weights, row.budget, SAMPLING, guidance[row.after]())
 
 
 @lru_cache(maxsize=2)

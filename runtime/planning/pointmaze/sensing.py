@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -9,6 +11,8 @@ from numpy.typing import NDArray
 from grounding.world_model.dynamics import History
 from grounding.world_model.encoder import Encoder
 from grounding.world_model.pred import Goal
+from onto_compiler.required import Fact
+from onto_compiler.schema import Schema
 from runtime.pointmaze.cells import cell_way
 from runtime.pointmaze.maze import ACTION_DIM, MACRO_STEPS, STATE_DIM, Maze
 from runtime.pointmaze.picture import draw
@@ -18,6 +22,9 @@ __all__ = ["FULL", "POSITION", "Sensor"]
 FULL = (True, True, True, True)
 POSITION = (True, True, False, False)
 """Proprioception without velocity."""
+_METRE, _METRE_PER_SECOND = (f"http://qudt.org/vocab/unit/{name}" for name in ("M", "M-PER-SEC"))
+_UNITS = (_METRE, _METRE, _METRE_PER_SECOND, _METRE_PER_SECOND)
+"""Of the coordinates of a state."""
 
 
 class Sensor:
@@ -41,6 +48,12 @@ class Sensor:
         """A goal state (4,) as it is sensed."""
         self._target = state
         return Goal(self.look(state), self._tensor(self._hidden(state)), self._sensed)
+
+    def observes(self, facts: Sequence[Fact], schema: Schema) -> tuple[bool, ...]:
+        """Of each fact whether there is evidence of what its margin is measured in: pictures show places alone."""
+        sensed = self._sensed.cpu().tolist()
+        hidden = {unit for unit, known in zip(_UNITS, sensed, strict=True) if not known} - {_METRE}
+        return tuple(schema.predicates[fact.predicate].margin_unit not in hidden for fact in facts)
 
     def begin(self, state: NDArray[np.float64]) -> None:
         """An episode begins in ``state`` (4,): what came before is forgotten."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 import torch
 
@@ -145,6 +146,19 @@ def test_predicted_facts_come_in_the_order_of_the_task():
     seen = forth.observation(3, step=25)
     assert (seen.source, seen.step, len(seen)) == ("pred", 25, 2)
     assert seen.truth.tolist() == (forth.score[3] > 0.5).tolist()
+
+
+def test_a_fact_without_evidence_is_predicted_neither_way():
+    imagined = dynamics().imagine(torch.rand(FEATURES), torch.rand(4), torch.rand(7, 3, 5, 2))
+    facts = [fact("at_target"), fact("free_of")]
+    found = PredGrounder(head(), facts, observed=[False, True]).ground(
+        imagined, Goal(torch.rand(FEATURES), torch.rand(4), BLIND)
+    )
+    seen = found.observation(0, step=15)
+    assert seen.observed.tolist() == [False, True]
+    assert not seen.truth[0]
+    assert np.isnan([seen.margin[0], seen.score[0]]).all()
+    assert seen.margin[1] == pytest.approx(float(found.margin[0, 1]))
 
 
 def test_a_fact_that_the_head_was_not_trained_for_is_refused():

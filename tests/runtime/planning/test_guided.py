@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -12,14 +12,21 @@ import torch
 from grounding.observation import Observation
 from grounding.world_model.dynamics import Dynamics, History
 from grounding.world_model.facts import FactHead
-from grounding.world_model.pred import Goal, PredGrounder
+from grounding.world_model.pred import Goal, PredGrounder, Predicted
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import local_name
 from runtime.diagnosis import diagnose
 from runtime.planning.cem import Budget, Found, Region, Sampling
 from runtime.planning.guided import improve
-from runtime.planning.mechanisms import again, longer_horizon, match_velocity, resample_around_margin, waypoint
+from runtime.planning.mechanisms import (
+    _urging,
+    again,
+    longer_horizon,
+    match_velocity,
+    resample_around_margin,
+    waypoint,
+)
 from runtime.planning.question import COPIES, Question
 from runtime.planning.scorers import Weighted, Weights
 from runtime.pointmaze.grounded import required_facts
@@ -37,13 +44,12 @@ class Stub:
 
     budget: Budget
     sampling: Sampling
+    observed: tuple[bool, ...] = (True, True, True)
 
     def judged(self, found: Found) -> tuple[Observation, float]:
-        margin = np.full(len(NAMES), float(found.actions[0, 0]))
-        seen = Observation(
-            "pred", len(found.actions), np.ones(3, bool), margin > 0, margin, (margin > 0) * 1.0, ("",) * len(NAMES)
-        )
-        return seen, found.cost
+        margin = torch.full((len(NAMES),), float(found.actions[0, 0]))
+        predicted = Predicted(margin, (margin > 0).float(), np.array(self.observed))
+        return predicted.observation(step=len(found.actions)), found.cost
 
 
 def plan(value: float, cost: float = 1.0) -> Found:
@@ -55,8 +61,8 @@ def stub() -> Stub:
     return Stub(Budget(), Sampling())
 
 
-def guided(first: Found, answers: dict[str, object], allowance: int = 1000, instead=None):
-    return improve(stub(), first, REQUIRED, KNOWLEDGE, answers, allowance, torch.Generator(), instead)
+def guided(first: Found, answers: dict[str, object], allowance: int = 1000, instead=None, question=None):
+    return improve(question or stub(), first, REQUIRED, KNOWLEDGE, answers, allowance, torch.Generator(), instead)
 
 
 def test_a_plan_whose_facts_hold_is_retained_without_search():
@@ -184,6 +190,24 @@ def test_where_one_fact_cannot_be_bettered_another_has_its_turn():
     assert asked == ["free_of", "free_of", "at_target", "at_target", "velocity_matches", "velocity_matches"]
 
 
+@pytest.mark.parametrize("control", [False, True], ids=["guided", "control"])
+def test_a_fact_without_evidence_is_not_searched_for_and_is_not_held_to_be_true(control):
+    unseen = replace(stub(), observed=tuple(name != "velocity_matches" for name in NAMES))
+    asked = []
+
+    def mechanism(_question, _best, diagnosis, _random):
+        asked.append(local_name(diagnosis.fact.predicate))
+        return plan(0.5)
+
+    routes = [local_name(iri) for iri, route in KNOWLEDGE.schema.routes.items() if route.level == "plan"]
+    answers = dict.fromkeys(routes, mechanism)
+    found = guided(plan(-0.5), answers, instead=answers if control else None, question=unseen)
+    assert asked == ["free_of"]  # after which all that is observed holds
+    assert not found.retained
+    assert [tried.better for tried in found.tried] == [True]
+    assert np.isnan(found.observation.margin).tolist() == [name == "velocity_matches" for name in NAMES]
+
+
 def test_search_ends_where_no_route_is_left():
     found = guided(plan(-0.5), {})
     assert not found.retained
@@ -235,6 +259,22 @@ def test_a_mechanism_returns_a_plan_that_is_no_worse_in_its_judges_eyes(mechanis
     assert found.evaluations > 0
     assert asked.judged(found)[1] <= asked.judged(best)[1]
     assert not found.actions.requires_grad
+
+
+def test_what_is_not_observed_makes_no_candidate_urgent():
+    asked = question()
+    best = worst(asked)
+    grounder = PredGrounder(asked.grounder.head, REQUIRED.facts, observed=[name == "free_of" for name in NAMES])
+    partly = replace(asked, grounder=grounder)
+    imagined = asked.imagine(best.actions[None])
+    violated = replace(asked.judged(best)[0], truth=np.zeros(3, bool), margin=np.full(3, -0.3))
+    diagnosis = next(each for each in diagnose(REQUIRED.facts, violated, KNOWLEDGE.tables) if each.index == 2)
+    margin = asked.grounder.ground(imagined, asked.goal).margin[0]
+    lack = [max(fact.threshold - float(margin[index]), 0.0) for index, fact in enumerate(REQUIRED.facts)]
+    plain = float(asked.price(imagined))
+    assert sum(lack[:2]) > 0
+    assert float(_urging(asked, diagnosis)(imagined)) == pytest.approx(plain + lack[0] + lack[1] + 2 * lack[2])
+    assert float(_urging(partly, diagnosis)(imagined)) == pytest.approx(plain + 2 * lack[2])
 
 
 def test_a_longer_horizon_is_offered_only_where_there_is_time():

@@ -9,6 +9,7 @@ import torch
 
 from onto_compiler.command import CLEAN, FINDINGS, MISUSE
 from onto_compiler.problems import OntoError
+from onto_compiler.schema import local_name
 from runtime.cli import main
 from runtime.planning.cem import Budget
 from runtime.planning.pointmaze import rows
@@ -100,6 +101,26 @@ def test_a_guided_trial_is_recorded_with_both_aboxes_and_its_routes(capsys, quic
     assert "Plan 4" in shown
     assert all(len(line) <= 80 for line in shown.splitlines())
     assert picture.read_text().count('class="maze"') == 1
+
+
+def test_what_a_robot_does_not_sense_is_neither_predicted_nor_searched_for(capsys, quick, model, tmp_path):
+    file, picture = tmp_path / "t.trig", tmp_path / "t.html"
+    words = ["--row", "search_blind", "--trials", "3", "--model", model, "--trace", str(file)]
+    _, printed = plan(capsys, *words, "--picture", str(picture))
+    assert "velocity_matches (not observed)" in printed.out
+    trace = open_trace(file)
+    episode = trace.episode(*trace.episodes())
+    for made in episode.plans:
+        assert made.predicted.observed.tolist() == [True, False, True]
+        assert made.simulated.observed.all()
+        assert [local_name(each.status) for each in made.diagnoses if each.index == 1] == ["Absent"]
+    assert len(episode.attempts) >= 4
+    assert {attempt.selected.diagnosis.index for attempt in episode.attempts} <= {0, 2}
+    assert main(["trace", "show", "1", str(file)]) == CLEAN
+    assert "there is no evidence" in " ".join(capsys.readouterr().out.split())
+    drawn = picture.read_text()
+    assert "velocity_matches(ball, target), predicted margins: not observed" in drawn
+    assert "nan" not in drawn
 
 
 @pytest.mark.parametrize(

@@ -211,6 +211,24 @@ def planned():
     )  # fmt: skip
 
 
+def partly_sensed():
+    """One executed plan of a robot that senses no velocity: what it is predicted to come to leaves that open."""
+    episode = planned()
+    plan = episode.plans[1]
+    seen = np.array([True, False, True])
+    predicted = replace(
+        plan.predicted,
+        observed=seen,
+        truth=plan.predicted.truth & seen,
+        margin=np.where(seen, plan.predicted.margin, np.nan),
+        score=np.where(seen, plan.predicted.score, np.nan),
+    )
+    diagnoses = diagnose(episode.required.facts, predicted, KNOWLEDGE.tables)
+    return replace(
+        episode, attempts=(), plans=(replace(plan, index=0, predicted=predicted, diagnoses=diagnoses),)
+    )  # fmt: skip
+
+
 def all_samples():
     """Every sample, none of the same name."""
     return (accepted(), lost_after_settling(), disagreement(), unresolved(), faulted(), negated())

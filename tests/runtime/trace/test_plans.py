@@ -9,7 +9,7 @@ from runtime.summary import episode_summary
 from runtime.trace.narrate import narrate
 from runtime.trace.store import TraceStore
 from tests.runtime.trace.plain import plain
-from tests.runtime.trace.samples import KNOWLEDGE, SCHEMA, planned
+from tests.runtime.trace.samples import KNOWLEDGE, SCHEMA, partly_sensed, planned
 
 STORY = "\n".join(narrate(planned(), SCHEMA))
 
@@ -48,6 +48,19 @@ def test_the_summary_has_both_sides_of_every_fact():
     ]  # fmt: skip
     assert (first["retained"], second["retained"]) == (False, True)
     assert first["failures"] == ["velocity_mismatch"]
+
+
+def test_what_was_not_observed_was_predicted_neither_way(tmp_path):
+    episode = partly_sensed()
+    story = "\n".join(narrate(episode, SCHEMA))
+    assert "velocity_matches(ball, target): not predicted, without evidence of it; does not hold in" in story
+    assert "to meet the goal as far as it is observed; of velocity_matches(ball, target) there is no evidence." in story
+    assert "falsely" not in story
+    (plan,) = episode_summary(episode, SCHEMA)["plans"]
+    assert [fact["predicted"] for fact in plan["facts"]] == [True, None, True]
+    assert not plan["retained"]
+    with TraceStore(tmp_path, KNOWLEDGE.schema, "run") as store:
+        assert plain(store.episode(store.add(episode))) == plain(episode)
 
 
 def test_a_store_replaces_a_planned_episode_whole(tmp_path):

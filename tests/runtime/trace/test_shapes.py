@@ -7,10 +7,10 @@ from onto_compiler.rdf import CORE, RDF, TRACE
 from onto_compiler.shapes import compile_shapes, validate
 from onto_compiler.sources import load_store
 from runtime.trace.write import episode_quads
-from tests.runtime.trace.samples import all_samples, planned, played
+from tests.runtime.trace.samples import all_samples, partly_sensed, planned, played
 from tests.strategies import SCHEMA
 
-SAMPLES = (*all_samples(), played(), planned())
+SAMPLES = (*all_samples(), played(), planned(), partly_sensed())
 TYPE = NamedNode(RDF + "type")
 
 

@@ -98,9 +98,9 @@ def _encoder(options: argparse.Namespace, folder: Path) -> str | None:
     from grounding.world_model.checkpoint import read_card  # noqa: PLC0415 - as above
     from grounding.world_model.model import FILES  # noqa: PLC0415
 
-    if "projection" in (options.stages or STAGES):
-        return options.encoder
-    return read_card(folder / FILES["projection"]).data.get("encoder")
+    there = "projection" not in (options.stages or STAGES)
+    name: str | None = read_card(folder / FILES["projection"]).data.get("encoder") if there else options.encoder
+    return name
 
 
 def _given(**options: Any) -> dict[str, Any]:  # noqa: ANN401 - of any type

@@ -201,11 +201,9 @@ def _predicted_of(plan: ExecutedPlan, schema: Schema) -> str:
     if lacking:
         facts = [f"{atom(each.fact, schema)} ({short_name(each.failure, schema)})" for each in lacking]
         return f"is predicted to lack {_listed(facts)}{unknown}"
-    return (
-        f"is predicted to meet the goal as far as it is observed{unknown}"
-        if unseen
-        else ("is predicted to meet the goal and was retained")
-    )
+    if unseen:
+        return f"is predicted to meet the goal as far as it is observed{unknown}"
+    return "is predicted to meet the goal and was retained"
 
 
 def _came_true(plan: ExecutedPlan, index: int, unit: str) -> str:

@@ -85,8 +85,7 @@ class PredGrounder:
             features, proprio = features[:, :, -1], proprio[:, :, -1]
         doubt = spread(proprio, self.head.scaling.scale)
         margin, logit = self.head(features, proprio, goal.features, goal.proprio, doubt, goal.sensed)
-        margin, score = (each.mean(dim=0)[..., self._columns] for each in (margin, logit.sigmoid()))
-        return Predicted(margin, score, self.observed)
+        return _of_members(margin, logit, self._columns, self.observed)
 
 
 class ScenePredGrounder:
@@ -108,8 +107,14 @@ class ScenePredGrounder:
         if not every:
             features, proprio = features[:, :, -1], proprio[:, :, -1]
         margin, logit = self.head(features, proprio, spread(proprio, self.head.scaling.scale), sensed)
-        margin, score = (each.mean(dim=0)[..., self._columns] for each in (margin, logit.sigmoid()))
-        return Predicted(margin, score, np.ones(len(self.facts), dtype=np.bool_))
+        return _of_members(margin, logit, self._columns, np.ones(len(self.facts), dtype=np.bool_))
+
+
+def _of_members(
+    margin: torch.Tensor, logit: torch.Tensor, columns: Sequence[int], observed: NDArray[np.bool_]
+) -> Predicted:
+    """What M members predict (M, ..., columns of a head), as one prediction of the facts of ``columns``."""
+    return Predicted(margin.mean(dim=0)[..., columns], logit.sigmoid().mean(dim=0)[..., columns], observed)
 
 
 def _untrained(fact: Fact, file: str, hint: str) -> Problem:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import torch
 
 from grounding.observation import Observation
 from grounding.world_model.dynamics import Dynamics, History, Imagined
-from grounding.world_model.pred import Goal, PredGrounder, Predicted
+from grounding.world_model.pred import Goal, PredGrounder
 from onto_compiler.problems import OntoError
 from runtime.planning.cem import Budget, Found, Judge, Sampling
 from runtime.planning.scorers import Scorer
@@ -100,8 +100,9 @@ class Question:
         with torch.no_grad():
             imagined = self._copied(found.actions[None])
             facts = self.grounder.ground(imagined, self.goal)
-            margin, score = (each.mean(dim=0, keepdim=True) for each in (facts.margin, facts.score))
-            mean = Predicted(margin, score, facts.observed)
+            mean = replace(
+                facts, margin=facts.margin.mean(dim=0, keepdim=True), score=facts.score.mean(dim=0, keepdim=True)
+            )
             return mean.observation(0, step=len(found.actions)), float(self.price(imagined).mean())
 
     def _copied(self, actions: torch.Tensor) -> Imagined:

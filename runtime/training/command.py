@@ -25,7 +25,11 @@ Stage = Callable[[str, str, str, Say], Mapping[str, float]]
 def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("world", choices=WORLDS, help="what the model is of")
     parser.add_argument(
-        "stages", nargs="*", metavar="STAGE", help=f"some of {', '.join(STAGES)}, in this order (default: all)"
+        "stages",
+        nargs="*",
+        metavar="STAGE",
+        default=STAGES,
+        help=f"some of {', '.join(STAGES)}, in this order (default: all)",
     )
     parser.add_argument("--seed", type=int, default=0, help="decides data, beginnings and batches (default 0)")
     parser.add_argument("--encoder", metavar="NAME", help="what reads the pictures (default: lite0)")
@@ -47,8 +51,7 @@ def _run(options: argparse.Namespace) -> int:
         raise OntoError.of(
             "CLI002", f"`{options.world}` has no demonstrations to choose", "leave --demos and --count out"
         )
-    stages = options.stages or STAGES
-    if options.encoder is not None and "projection" not in stages:
+    if options.encoder is not None and "projection" not in options.stages:
         message = "an encoder is chosen where the projection is made, and later stages read what that one reads"
         raise OntoError.of("CLI002", message, "leave --encoder out, or begin with `projection`")
     if options.threads:
@@ -57,7 +60,7 @@ def _run(options: argparse.Namespace) -> int:
     commit = git(Path(__file__).parent, "rev-parse", "HEAD")
     stage_of = _pointmaze(options, folder) if options.world == "pointmaze" else _libero(options, folder)
     metrics = {}
-    for stage in stages:
+    for stage in options.stages:
         begun = time.perf_counter()
         command = f"onto train {options.world} {stage} --seed {options.seed}{_chosen(options, stage)}"
         found = stage_of(stage, command, commit, lambda text: _say(options, text))
@@ -98,7 +101,7 @@ def _encoder(options: argparse.Namespace, folder: Path) -> str | None:
     from grounding.world_model.checkpoint import read_card  # noqa: PLC0415 - as above
     from grounding.world_model.model import FILES  # noqa: PLC0415
 
-    there = "projection" not in (options.stages or STAGES)
+    there = "projection" not in options.stages
     name: str | None = read_card(folder / FILES["projection"]).data.get("encoder") if there else options.encoder
     return name
 

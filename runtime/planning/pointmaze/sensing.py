@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from grounding.world_model.dynamics import History
 from grounding.world_model.encoder import Encoder
 from grounding.world_model.pred import Goal
+from onto_compiler.rdf import PREFIXES
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema
 from runtime.pointmaze.cells import cell_way
@@ -22,7 +23,7 @@ __all__ = ["FULL", "POSITION", "Sensor"]
 FULL = (True, True, True, True)
 POSITION = (True, True, False, False)
 """Proprioception without velocity."""
-_METRE, _METRE_PER_SECOND = (f"http://qudt.org/vocab/unit/{name}" for name in ("M", "M-PER-SEC"))
+_METRE, _METRE_PER_SECOND = (PREFIXES["unit"] + name for name in ("M", "M-PER-SEC"))
 _UNITS = (_METRE, _METRE, _METRE_PER_SECOND, _METRE_PER_SECOND)
 """Of the coordinates of a state."""
 

@@ -35,6 +35,7 @@ from runtime.routed import load_routed
 KNOWLEDGE = load_knowledge()
 REQUIRED = required_facts(KNOWLEDGE)
 NAMES = [local_name(fact.predicate) for fact in REQUIRED.facts]
+ROUTES = [local_name(iri) for iri, route in KNOWLEDGE.schema.routes.items() if route.level == "plan"]
 CENTRE, SCALE = [1.8, 1.8, 0.0, 0.0], [2.5, 2.5, 5.0, 5.0]
 
 
@@ -80,8 +81,7 @@ def test_the_rules_choose_the_mechanism():
 
         return mechanism
 
-    routes = [local_name(iri) for iri, route in KNOWLEDGE.schema.routes.items() if route.level == "plan"]
-    found = guided(plan(-0.5), {name: named(name) for name in routes})
+    found = guided(plan(-0.5), {name: named(name) for name in ROUTES})
     assert found.retained
     assert asked == [("resample_around_margin", "free_of")]  # an invalid state comes before all else
     assert found.tried[0].decision is not None
@@ -185,8 +185,7 @@ def test_where_one_fact_cannot_be_bettered_another_has_its_turn():
         asked.append(local_name(diagnosis.fact.predicate))
         return plan(-0.5)
 
-    routes = [local_name(iri) for iri, route in KNOWLEDGE.schema.routes.items() if route.level == "plan"]
-    guided(plan(-0.5), dict.fromkeys(routes, mechanism), allowance=6 * (100 + COPIES))
+    guided(plan(-0.5), dict.fromkeys(ROUTES, mechanism), allowance=6 * (100 + COPIES))
     assert asked == ["free_of", "free_of", "at_target", "at_target", "velocity_matches", "velocity_matches"]
 
 
@@ -199,8 +198,7 @@ def test_a_fact_without_evidence_is_not_searched_for_and_is_not_held_to_be_true(
         asked.append(local_name(diagnosis.fact.predicate))
         return plan(0.5)
 
-    routes = [local_name(iri) for iri, route in KNOWLEDGE.schema.routes.items() if route.level == "plan"]
-    answers = dict.fromkeys(routes, mechanism)
+    answers = dict.fromkeys(ROUTES, mechanism)
     found = guided(plan(-0.5), answers, instead=answers if control else None, question=unseen)
     assert asked == ["free_of"]  # after which all that is observed holds
     assert not found.retained
@@ -217,8 +215,7 @@ def test_search_ends_where_no_route_is_left():
 
 def test_every_registered_mechanism_serves_a_plan_route():
     found = load_routed(KNOWLEDGE.schema, "onto_evwm.mechanisms", "mechanism", "RUN010")
-    levels = {local_name(iri): route.level for iri, route in KNOWLEDGE.schema.routes.items()}
-    assert set(found) == {name for name, level in levels.items() if level == "plan"}
+    assert set(found) == set(ROUTES)
 
 
 def question(longest: int = 10, features: float = 0.0, between: torch.Tensor | None = None) -> Question:

@@ -224,9 +224,7 @@ def partly_sensed():
         score=np.where(seen, plan.predicted.score, np.nan),
     )
     diagnoses = diagnose(episode.required.facts, predicted, KNOWLEDGE.tables)
-    return replace(
-        episode, attempts=(), plans=(replace(plan, index=0, predicted=predicted, diagnoses=diagnoses),)
-    )  # fmt: skip
+    return replace(episode, attempts=(), plans=(replace(plan, index=0, predicted=predicted, diagnoses=diagnoses),))
 
 
 def all_samples():

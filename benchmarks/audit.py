@@ -11,11 +11,11 @@ from dataclasses import asdict
 
 from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.knowledge import load_knowledge
-from runtime.audit.command import LIBERO
-from runtime.audit.fan_out import kinds_of
-from runtime.audit.records import TaskAudit
-from runtime.audit.task import audit_task
-from runtime.simulator.assets import find_task, tasks
+from runtime.worlds.libero.audit.command import LIBERO
+from runtime.worlds.libero.audit.fan_out import kinds_of
+from runtime.worlds.libero.audit.records import TaskAudit
+from runtime.worlds.libero.audit.task import audit_task
+from runtime.worlds.libero.simulator.assets import find_task, tasks
 
 __all__ = ["AUDIT", "FALSE", "metrics", "rows_of"]
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 
 from benchmarks import audit
 from benchmarks.protocol import Protocol, Row, Trial
-from runtime.audit.command import LIBERO
-from runtime.simulator.assets import suites
+from runtime.worlds.libero.audit.command import LIBERO
+from runtime.worlds.libero.simulator.assets import suites
 
 __all__ = ["AUDIT_SUITES"]
 

@@ -15,10 +15,10 @@ from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
-from runtime.audit.fan_out import Plan, run_audit
-from runtime.audit.interpreter import run_elsewhere
-from runtime.audit.records import Audit, read_audit
-from runtime.simulator.assets import tasks
+from runtime.worlds.libero.audit.fan_out import Plan, run_audit
+from runtime.worlds.libero.audit.interpreter import run_elsewhere
+from runtime.worlds.libero.audit.records import Audit, read_audit
+from runtime.worlds.libero.simulator.assets import tasks
 
 __all__ = ["AUDIT_VERSIONS"]
 

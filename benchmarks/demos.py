@@ -14,11 +14,11 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks.protocol import Protocol, Row, Trial
-from runtime.demos.collect import Order, collect_task, count_for
-from runtime.demos.command import SUITES
-from runtime.demos.read import load
-from runtime.demos.replay import replay
-from runtime.simulator.assets import find_task, tasks
+from runtime.worlds.libero.demos.collect import Order, collect_task, count_for
+from runtime.worlds.libero.demos.command import SUITES
+from runtime.worlds.libero.demos.read import load
+from runtime.worlds.libero.demos.replay import replay
+from runtime.worlds.libero.simulator.assets import find_task, tasks
 
 __all__ = ["DEMOS"]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import ontology
 from onto_compiler.turtle.tokens import tokens
-from runtime.simulator.assets import tasks
+from runtime.worlds.libero.simulator.assets import tasks
 
 __all__ = ["BDDL", "SUITES", "TURTLE", "Part", "Seed", "parts", "seeds", "split"]
 

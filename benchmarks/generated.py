@@ -13,9 +13,9 @@ from onto_compiler.rdf import CORE
 from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
 from onto_compiler.schema import PredicateSignature, local_name
 from onto_compiler.tables import REPEAT
-from runtime.diagnosis import diagnose, select
-from runtime.records import Application, Attempt, Episode, Proposal, RouteDecision, Verification
-from runtime.routing import route
+from runtime.loop.diagnosis import diagnose, select
+from runtime.loop.records import Application, Attempt, Episode, Proposal, RouteDecision, Verification
+from runtime.loop.routing import route
 
 __all__ = ["generated_episode"]
 

@@ -19,8 +19,8 @@ from grounding.sim import SimGrounder
 from onto_compiler.bddl.lift import required_abox
 from onto_compiler.bddl.parse import parse_file
 from onto_compiler.compile_schema import load_schema
-from runtime.simulator.assets import find_task
-from runtime.simulator.native import NativeTask
+from runtime.worlds.libero.simulator.assets import find_task
+from runtime.worlds.libero.simulator.native import NativeTask
 
 __all__ = ["GROUNDING"]
 

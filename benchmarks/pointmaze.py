@@ -23,15 +23,15 @@ from benchmarks.pointmaze_speed import from_nothing_minutes, grounding_ms, table
 from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.schema import local_name
-from runtime.planning.pointmaze.models import SEEDS, shipped
-from runtime.planning.pointmaze.mpc import Planner, Played, Step, play
-from runtime.planning.pointmaze.playing import episodes, generator
-from runtime.planning.pointmaze.rows import MAZE, ROWS, maze_rollout, planner
-from runtime.planning.pointmaze.trace import SUITE
-from runtime.pointmaze.grounded import MazeFacts, required_facts
-from runtime.pointmaze.maze import MACRO_STEPS, maze_named
-from runtime.pointmaze.trials import PUBLISHED, trial
 from runtime.trace.file import write_trace
+from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
+from runtime.worlds.pointmaze.maze import MACRO_STEPS, maze_named
+from runtime.worlds.pointmaze.planning.models import SEEDS, shipped
+from runtime.worlds.pointmaze.planning.mpc import Planner, Played, Step, play
+from runtime.worlds.pointmaze.planning.playing import episodes, generator
+from runtime.worlds.pointmaze.planning.rows import MAZE, ROWS, maze_rollout, planner
+from runtime.worlds.pointmaze.planning.trace import SUITE
+from runtime.worlds.pointmaze.trials import PUBLISHED, trial
 
 __all__ = ["BLOCKS", "COMPARED", "POINTMAZE", "SPEED_METRICS", "TRACES", "fact_names"]
 

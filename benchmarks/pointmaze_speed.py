@@ -17,14 +17,14 @@ import torch
 from grounding.world_model.model import load_world_model
 from grounding.world_model.pred import Goal, PredGrounder
 from onto_compiler.knowledge import load_knowledge
-from runtime.planning.pointmaze.mpc import play
-from runtime.planning.pointmaze.rows import maze_rollout, planner
-from runtime.pointmaze.grounded import required_facts
-from runtime.pointmaze.maze import ACTION_DIM, MACRO_STEPS, STATE_DIM
-from runtime.pointmaze.trials import PUBLISHED, trial
 from runtime.training import STAGES
-from runtime.training.pointmaze import Course, train
 from runtime.training.stages import Place
+from runtime.worlds.pointmaze.grounded import required_facts
+from runtime.worlds.pointmaze.maze import ACTION_DIM, MACRO_STEPS, STATE_DIM
+from runtime.worlds.pointmaze.planning.mpc import play
+from runtime.worlds.pointmaze.planning.rows import maze_rollout, planner
+from runtime.worlds.pointmaze.training import Course, train
+from runtime.worlds.pointmaze.trials import PUBLISHED, trial
 
 __all__ = ["from_nothing_minutes", "grounding_ms", "table_minutes"]
 

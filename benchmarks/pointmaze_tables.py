@@ -8,7 +8,7 @@ from benchmarks.markdown import rate, table
 from benchmarks.pointmaze import BLOCKS, COMPARED, SPEED_METRICS, fact_names
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.schema import local_name
-from runtime.planning.pointmaze.rows import ROWS
+from runtime.worlds.pointmaze.planning.rows import ROWS
 
 __all__ = ["pointmaze_table"]
 

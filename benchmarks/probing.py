@@ -20,8 +20,8 @@ from onto_compiler.bddl.lift import required_abox
 from onto_compiler.bddl.parse import parse_file
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema
-from runtime.simulator.assets import find_task, initial_states
-from runtime.simulator.native import NativeTask
+from runtime.worlds.libero.simulator.assets import find_task, initial_states
+from runtime.worlds.libero.simulator.native import NativeTask
 
 __all__ = ["CLOSE", "GOAL_TASKS", "OTHER_TASKS", "Counts", "Sample", "probe"]
 

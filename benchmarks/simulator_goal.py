@@ -13,10 +13,10 @@ from grounding.sim import SimGrounder
 from onto_compiler.bddl.lift import required_abox
 from onto_compiler.bddl.parse import parse_file
 from onto_compiler.knowledge import Knowledge, load_knowledge
-from runtime.monitor import GoalMonitor
-from runtime.simulator.assets import TaskRef
-from runtime.simulator.native import NativeTask
-from runtime.simulator.snapshot import Snapshot
+from runtime.loop.monitor import GoalMonitor
+from runtime.worlds.libero.simulator.assets import TaskRef
+from runtime.worlds.libero.simulator.native import NativeTask
+from runtime.worlds.libero.simulator.snapshot import Snapshot
 
 __all__ = ["Goal"]
 

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.simulator.simulation import Simulation
+from runtime.worlds.libero.simulator.simulation import Simulation
 
 __all__ = ["grasp_actions"]
 

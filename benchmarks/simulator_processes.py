@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.simulator_task import digest, made, memory_mib, random_actions, rolled_out
-from runtime.faults import RunFault
+from runtime.loop.faults import RunFault
 
 __all__ = ["in_process", "main", "together"]
 

@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.protocol import Row
-from runtime.simulator.assets import find_task, initial_states
-from runtime.simulator.compiled import compile_scene
-from runtime.simulator.native_import import quiet
-from runtime.simulator.simulation import Simulation
-from runtime.simulator.snapshot import FULL, Snapshot
+from runtime.worlds.libero.simulator.assets import find_task, initial_states
+from runtime.worlds.libero.simulator.compiled import compile_scene
+from runtime.worlds.libero.simulator.native_import import quiet
+from runtime.worlds.libero.simulator.simulation import Simulation
+from runtime.worlds.libero.simulator.snapshot import FULL, Snapshot
 
 if TYPE_CHECKING:
     from benchmarks.simulator_goal import Goal
-    from runtime.simulator.native import NativeTask
+    from runtime.worlds.libero.simulator.native import NativeTask
 
 __all__ = ["digest", "made", "measure_task", "memory_mib", "random_actions", "rolled_out"]
 
@@ -77,7 +77,7 @@ def measure_task(suite: str, task: int, many: int, rounds: int, resets: int) -> 
     """The task's row: see :mod:`benchmarks.simulator`. ``many`` random actions, timed in ``rounds`` turns."""
     from benchmarks.simulator_goal import Goal  # noqa: PLC0415 - a cold start does not ground
     from benchmarks.simulator_grasp import grasp_actions  # noqa: PLC0415 - nor grasp
-    from runtime.simulator.native import NativeTask  # noqa: PLC0415 - LIBERO takes a second to import
+    from runtime.worlds.libero.simulator.native import NativeTask  # noqa: PLC0415 - LIBERO takes a second to import
 
     ref = find_task(suite, task)
     compiled, states = made(suite, task)

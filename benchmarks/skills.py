@@ -1,10 +1,10 @@
 """Do the skills reach the goal? Played under dynamics, and every episode replayed in LIBERO's own environment.
 
-Two ways to play, see :mod:`runtime.skills.play`: ``reactive``, and ``lookahead``, whose candidates are rehearsed in a
-fork of the simulation. The baseline lies within the reactive episode: until its first retry it is what playing without
-retries would be, so the episode is cut there and judged once more (``first_try``). States 0 to 39 of each task served
-to develop the skills; the full protocol takes the ten that did not. Mode ``controller``; the skills see privileged
-simulator state, and look-ahead steps the true dynamics.
+Two ways to play, see :mod:`runtime.worlds.libero.skills.play`: ``reactive``, and ``lookahead``, whose candidates are
+rehearsed in a fork of the simulation. The baseline lies within the reactive episode: until its first retry it is what
+playing without retries would be, so the episode is cut there and judged once more (``first_try``). States 0 to 39 of
+each task served to develop the skills; the full protocol takes the ten that did not. Mode ``controller``; the skills
+see privileged simulator state, and look-ahead steps the true dynamics.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from benchmarks.intervals import wilson
 from benchmarks.protocol import Protocol, Row, Trial
 from benchmarks.skills_replay import SETTLE, NativeReplay, Verdict
 from onto_compiler.knowledge import load_knowledge
-from runtime.episodes import required_of
-from runtime.gym.tasks import horizon_of
-from runtime.simulator.assets import find_task, initial_states, tasks
-from runtime.simulator.compiled import compile_scene
-from runtime.simulator.simulation import Simulation
-from runtime.skills.play import Played, Player, Try
+from runtime.worlds.libero.loop.episodes import required_of
+from runtime.worlds.libero.scene.horizons import horizon_of
+from runtime.worlds.libero.simulator.assets import find_task, initial_states, tasks
+from runtime.worlds.libero.simulator.compiled import compile_scene
+from runtime.worlds.libero.simulator.simulation import Simulation
+from runtime.worlds.libero.skills.play import Played, Player, Try
 
 __all__ = ["FIRST_TRY", "PLAYS", "SKILLS", "SUITES", "before_retry", "succeeded", "untimed"]
 

@@ -20,10 +20,10 @@ from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.diagnosis import diagnose_goal, evidence_status
-from runtime.simulator.assets import TaskRef
-from runtime.simulator.native import NativeTask
-from runtime.trace.narrate import short_name, unit_of
+from runtime.loop.diagnosis import diagnose_goal, evidence_status
+from runtime.wording import short_name, unit_of
+from runtime.worlds.libero.simulator.assets import TaskRef
+from runtime.worlds.libero.simulator.native import NativeTask
 
 __all__ = ["AFTER", "SETTLE", "NativeReplay", "Verdict"]
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from benchmarks.markdown import rate, table
 from benchmarks.skills import FIRST_TRY, PLAYS, SUITES, succeeded
-from runtime.trace.narrate import amount
+from runtime.wording import amount
 
 __all__ = ["skills_table"]
 

@@ -18,10 +18,10 @@ from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.schema import local_name
 from onto_compiler.tables import RouteEntry, RuleTables
-from runtime.episodes import EpisodeRunner
-from runtime.proposers.registry import load_proposers
-from runtime.records import Episode
-from runtime.simulator.assets import find_task
+from runtime.loop.records import Episode
+from runtime.loop.registry import load_proposers
+from runtime.worlds.libero.loop.episodes import EpisodeRunner
+from runtime.worlds.libero.simulator.assets import find_task
 
 __all__ = ["STATE_REPAIR"]
 

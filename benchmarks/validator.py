@@ -24,10 +24,10 @@ import ontology
 from benchmarks.generated import generated_episode
 from benchmarks.mutations import MUTATIONS
 from benchmarks.protocol import Protocol, Row, Trial
+from benchmarks.shapes_pyshacl import as_graph, read_report
 from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.rdf import RDF, node
 from onto_compiler.shapes import ShapeResult, compile_shapes, validate
-from onto_compiler.shapes_pyshacl import as_graph, read_report
 from onto_compiler.sources import load_store, read_into
 from onto_compiler.turtle.source_map import canonical
 from onto_compiler.validator.compile import compile_validator

@@ -22,14 +22,14 @@ from benchmarks.protocol import Protocol, Row, Trial
 from benchmarks.world_model_tables import WAYS
 from grounding.world_model.model import SceneModel, load_scene_model
 from onto_compiler.knowledge import load_knowledge
-from runtime.simulator.assets import tasks
-from runtime.trace.narrate import unit_of
-from runtime.training.libero.library import TEST_SEED, Shoot, filmed
-from runtime.training.libero.measure import ENOUGH, tell, tell_events
-from runtime.training.libero.models import shipped
-from runtime.training.libero.scene import SUITE, SceneFacts, scene_facts
-from runtime.training.libero.windows import Windows, windows
 from runtime.training.measures import auroc, calibration_error
+from runtime.wording import unit_of
+from runtime.worlds.libero.simulator.assets import tasks
+from runtime.worlds.libero.training.library import TEST_SEED, Shoot, filmed
+from runtime.worlds.libero.training.measure import ENOUGH, tell, tell_events
+from runtime.worlds.libero.training.models import shipped
+from runtime.worlds.libero.training.scene import SUITE, SceneFacts, scene_facts
+from runtime.worlds.libero.training.windows import Windows, windows
 
 __all__ = ["WORLD_MODEL_LIBERO"]
 

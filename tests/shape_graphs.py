@@ -4,8 +4,8 @@ import pyshacl
 from hypothesis import strategies as st
 from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Store
 
+from benchmarks.shapes_pyshacl import as_graph, read_report
 from onto_compiler.rdf import RDF, XSD, node
-from onto_compiler.shapes_pyshacl import as_graph, read_report
 from onto_compiler.turtle.source_map import canonical
 
 EX = "https://example.org/"

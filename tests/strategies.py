@@ -14,7 +14,7 @@ from onto_compiler.rdf import CORE
 from onto_compiler.required import Entity, Fact, NativeAtom, Precondition, RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.tables import ATTEMPT_STATUSES, LEVELS, STATUSES
-from runtime.records import (
+from runtime.loop.records import (
     Application,
     Attempt,
     Diagnosis,

@@ -13,17 +13,17 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
 from onto_compiler.command import CLEAN, FINDINGS, print_json
 from onto_compiler.knowledge import Knowledge, load_knowledge
-from runtime.episodes import EpisodeRunner
-from runtime.proposers.registry import load_proposers
-from runtime.records import Episode
+from runtime.loop.records import Episode
+from runtime.loop.registry import load_proposers
 from runtime.report import write_report
 from runtime.report.gallery import Pictures
-from runtime.simulator.assets import tasks
-from runtime.simulator.pictures import ADVICE, Camera
-from runtime.summary import demo_table, episode_summary
 from runtime.trace.asking import print_answer
 from runtime.trace.sparql import Answer, named_query
 from runtime.trace.store import TraceStore
+from runtime.trace.summary import demo_table, episode_summary
+from runtime.worlds.libero.loop.episodes import EpisodeRunner
+from runtime.worlds.libero.simulator.assets import tasks
+from runtime.worlds.libero.simulator.pictures import ADVICE, Camera
 
 __all__ = ["demonstrate"]
 

@@ -31,9 +31,9 @@ def _configure_diagnose(parser: argparse.ArgumentParser) -> None:
 def _ground(options: argparse.Namespace) -> int:
     from onto_compiler.tables import SATISFIED, STATUSES  # noqa: PLC0415 - heavy imports wait for the command to run
     from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415
-    from runtime.diagnosis import evidence_status  # noqa: PLC0415
-    from runtime.records import state_name  # noqa: PLC0415
-    from runtime.trace.narrate import amount, atom, short_name, unit_of  # noqa: PLC0415
+    from runtime.loop.diagnosis import evidence_status  # noqa: PLC0415
+    from runtime.loop.records import state_name  # noqa: PLC0415
+    from runtime.wording import amount, atom, short_name, unit_of  # noqa: PLC0415
 
     with task_runner(options) as runner:
         start, state = start_of(options)
@@ -86,10 +86,10 @@ def _ground(options: argparse.Namespace) -> int:
 
 def _diagnose(options: argparse.Namespace) -> int:
     from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415 - as above
-    from runtime.diagnosis import by_distance, diagnose_goal, select  # noqa: PLC0415
-    from runtime.records import state_name  # noqa: PLC0415
-    from runtime.routing import route  # noqa: PLC0415
-    from runtime.trace.narrate import amount, atom, short_name, unit_of  # noqa: PLC0415
+    from runtime.loop.diagnosis import by_distance, diagnose_goal, select  # noqa: PLC0415
+    from runtime.loop.records import state_name  # noqa: PLC0415
+    from runtime.loop.routing import route  # noqa: PLC0415
+    from runtime.wording import amount, atom, short_name, unit_of  # noqa: PLC0415
 
     with task_runner(options) as runner:
         start, state = start_of(options)

@@ -13,10 +13,10 @@ from rich.console import Console
 
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
-from runtime.episodes import EpisodeRunner
-from runtime.proposers.registry import load_proposers
-from runtime.records import GIVEN
-from runtime.simulator.assets import named_task
+from runtime.loop.records import GIVEN
+from runtime.loop.registry import load_proposers
+from runtime.worlds.libero.loop.episodes import EpisodeRunner
+from runtime.worlds.libero.simulator.assets import named_task
 
 __all__ = ["start_of", "task_runner"]
 

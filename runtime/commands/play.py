@@ -59,7 +59,7 @@ def _film(text: str) -> Path:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from runtime.simulator.pictures import ADVICE, enable  # noqa: PLC0415 - heavy imports wait for the command to run
+    from runtime.worlds.libero.simulator.pictures import ADVICE, enable  # noqa: PLC0415 - heavy imports wait for the command to run
 
     if options.horizon is not None and options.horizon < 1:
         raise OntoError.of("CLI004", f"a horizon of {options.horizon} control steps", "give at least one")

@@ -18,22 +18,22 @@ from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
 from runtime.commands.opening import start_of
-from runtime.episodes import required_of
-from runtime.gym.tasks import horizon_of
-from runtime.records import GIVEN
+from runtime.loop.records import GIVEN
 from runtime.report.filmstrip import moments, write_film
-from runtime.simulator.assets import named_task
-from runtime.simulator.compiled import compile_scene
-from runtime.simulator.native import NativeTask
-from runtime.simulator.pictures import Camera
-from runtime.skills.episode import Performance, Stage
-from runtime.skills.offers import Carrying
-from runtime.skills.offset_grid import OffsetGrid
-from runtime.skills.play import Player
-from runtime.skills.replay import Replay
-from runtime.summary import episode_summary
 from runtime.trace.narrate import narrate
 from runtime.trace.store import TraceStore
+from runtime.trace.summary import episode_summary
+from runtime.worlds.libero.loop.episodes import required_of
+from runtime.worlds.libero.scene.horizons import horizon_of
+from runtime.worlds.libero.simulator.assets import named_task
+from runtime.worlds.libero.simulator.compiled import compile_scene
+from runtime.worlds.libero.simulator.native import NativeTask
+from runtime.worlds.libero.simulator.pictures import Camera
+from runtime.worlds.libero.skills.episode import Performance, Stage
+from runtime.worlds.libero.skills.offers import Carrying
+from runtime.worlds.libero.skills.offset_grid import OffsetGrid
+from runtime.worlds.libero.skills.play import Player
+from runtime.worlds.libero.skills.replay import Replay
 
 __all__ = ["play"]
 

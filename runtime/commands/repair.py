@@ -25,9 +25,9 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415 - heavy imports wait for the run
-    from runtime.summary import episode_summary  # noqa: PLC0415
     from runtime.trace.narrate import narrate  # noqa: PLC0415
     from runtime.trace.store import TraceStore  # noqa: PLC0415
+    from runtime.trace.summary import episode_summary  # noqa: PLC0415
 
     with task_runner(options) as runner:
         episode = runner.run(*start_of(options))

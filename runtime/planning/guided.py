@@ -20,12 +20,12 @@ from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.tables import ABSENT, FIRST, REPEAT
-from runtime.diagnosis import diagnose_goal, select, unmet
+from runtime.loop.diagnosis import diagnose_goal, select, unmet
+from runtime.loop.records import Diagnosis, RouteDecision
+from runtime.loop.routing import route_or_none
 from runtime.planning.cem import Found
 from runtime.planning.mechanisms import Mechanism
 from runtime.planning.question import COPIES, Question
-from runtime.records import Diagnosis, RouteDecision
-from runtime.routing import route_or_none
 
 __all__ = ["Searched", "Tried", "improve"]
 

@@ -12,9 +12,9 @@ from dataclasses import replace
 import torch
 
 from grounding.world_model.dynamics import Imagined
+from runtime.loop.records import Diagnosis
 from runtime.planning.cem import Found, Region, search
 from runtime.planning.question import Question
-from runtime.records import Diagnosis
 
 __all__ = ["Mechanism", "again", "longer_horizon", "match_velocity", "resample_around_margin", "waypoint"]
 

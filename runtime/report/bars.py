@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 
 from onto_compiler.html import Html, element
-from runtime.trace.narrate import amount
+from runtime.wording import amount
 
 __all__ = ["margin_bar"]
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from onto_compiler.html import Html, element, page, prose
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
-from runtime.records import Episode
+from runtime.loop.records import Episode
 from runtime.report.sections import episode_name
 from runtime.trace.narrate import chain, outcome_sentence
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 
 from onto_compiler.html import Html, element, joined
-from runtime.records import Episode
+from runtime.loop.records import Episode
 from runtime.report.sections import episode_name
 
 __all__ = ["Pictures", "gallery"]

@@ -7,12 +7,13 @@ from collections.abc import Iterator, Sequence
 from onto_compiler.html import Html, badge, code, element, joined, prose, table, text
 from onto_compiler.schema import Schema
 from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.diagnosis import evidence_status, unmet
-from runtime.records import Diagnosis, Episode, state_name
+from runtime.loop.diagnosis import evidence_status, unmet
+from runtime.loop.records import Diagnosis, Episode, state_name
 from runtime.report.bars import margin_bar
-from runtime.summary import first_diagnoses, margin_after, routes_of, verdict
-from runtime.trace.narrate import amount, atom, chain, outcome_sentence, premise_sentence, short_name, unit_of
+from runtime.trace.narrate import chain, outcome_sentence, premise_sentence
 from runtime.trace.sparql import Answer, plain, words
+from runtime.trace.summary import first_diagnoses, margin_after, routes_of, verdict
+from runtime.wording import amount, atom, short_name, unit_of
 
 __all__ = ["answers_section", "details_section", "episode_name", "episodes_table", "header", "modes_note", "tiles"]
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from onto_compiler.html import element, page
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
-from runtime.records import Episode
+from runtime.loop.records import Episode
 from runtime.report.gallery import Pictures, gallery
 from runtime.report.sections import answers_section, details_section, episodes_table, header, modes_note, tiles
 from runtime.trace.sparql import Answer

@@ -20,12 +20,12 @@ from rich.text import Text
 from onto_compiler.command import CLEAN, print_json
 from onto_compiler.compile_schema import load_schema
 from onto_compiler.problems import OntoError
-from runtime.summary import episode_summary
 from runtime.trace.find import find_episode
 from runtime.trace.narrate import narrate
 from runtime.trace.reasons import load_reasons
 from runtime.trace.sparql import Answer, Cell, csv_rows, named_queries, named_query, plain, words
 from runtime.trace.store import Trace, dump
+from runtime.trace.summary import episode_summary
 
 __all__ = ["explain", "export", "listing", "print_answer", "query", "show"]
 

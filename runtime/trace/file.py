@@ -11,7 +11,7 @@ from pyoxigraph import Store
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
 from onto_compiler.validator.records import record_validator
-from runtime.records import Episode
+from runtime.loop.records import Episode
 from runtime.trace.admission import refuse_invalid
 from runtime.trace.store import FORMATS, dump
 from runtime.trace.write import episode_quads

@@ -9,8 +9,8 @@ from grounding.observation import Observation
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema, local_name
 from onto_compiler.tables import ABSENT, EXHAUSTED, EXPLICITLY_FALSE, MARGIN_VIOLATED, REPEAT, SATISFIED, STATUSES
-from runtime.diagnosis import evidence_status
-from runtime.records import (
+from runtime.loop.diagnosis import evidence_status
+from runtime.loop.records import (
     Application,
     Attempt,
     Diagnosis,
@@ -21,20 +21,16 @@ from runtime.records import (
     state_name,
 )
 from runtime.trace.reasons import Reasons
+from runtime.wording import amount, atom, short_name, unit_of
 
 __all__ = [
-    "amount",
-    "atom",
     "chain",
     "narrate",
     "outcome_sentence",
     "plan_sentences",
     "premise_sentence",
-    "short_name",
-    "unit_of",
 ]
 
-_SYMBOLS = {"M": "m", "M-PER-SEC": "m s⁻¹", "RAD": "rad", "N": "N"}
 _SOURCES = {"sim": "the simulator", "pred": "the world model"}
 _OUTCOMES = {
     "retained": "The prediction satisfies every required fact and was retained; nothing was executed.",
@@ -63,36 +59,6 @@ _ENDS = {
     "out_of_steps": " until the steps of the episode were spent",
     "unreachable": " and broken off, as the gripper did not come to where it was to act",
 }
-
-
-def short_name(iri: str, schema: Schema) -> str:
-    """The notation of a term, or its local name."""
-    return schema.notations.get(iri, local_name(iri))
-
-
-def atom(fact: Fact, schema: Schema) -> str:
-    """``on(akita_black_bowl_1, plate_1)``, with ``not`` before it where the fact must not hold."""
-    text = f"{short_name(fact.predicate, schema)}({', '.join(argument.name for argument in fact.arguments)})"
-    return text if fact.polarity else f"not {text}"
-
-
-def unit_of(fact: Fact, schema: Schema) -> str:
-    """The symbol of the unit of the fact's margin (its threshold's, where the predicate has none), or nothing."""
-    signature = schema.predicates.get(fact.predicate)
-    unit = signature.margin_unit if signature else None
-    if unit is None:
-        thresholds = (schema.threshold(argument.type) for argument in fact.arguments)
-        unit = next((threshold.unit for threshold in thresholds if threshold is not None), None)
-    return "" if unit is None else _SYMBOLS.get(local_name(unit), local_name(unit))
-
-
-def amount(margin: float, unit: str) -> str:
-    """A margin with its sign and unit: small lengths in millimetres, everything to three significant digits."""
-    if isnan(margin):
-        return "no margin"
-    if unit == "m":
-        return f"{margin * 1000:+.3g} mm" if abs(margin) < 1 else f"{margin:+.3g} m"
-    return f"{margin:+.3g} {unit}".rstrip()
 
 
 def outcome_sentence(outcome: str, *, planned: bool = False) -> str:

@@ -17,7 +17,7 @@ from onto_compiler.rdf import CORE, RDF, RDFS, TRACE, node
 from onto_compiler.required import Entity, Fact, NativeAtom, Precondition, RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.tables import ABSENT
-from runtime.records import (
+from runtime.loop.records import (
     Application,
     Attempt,
     Diagnosis,

@@ -21,7 +21,7 @@ from onto_compiler.schema import Schema, local_name
 from onto_compiler.sources import load_store
 from onto_compiler.tables import EXHAUSTED, REPEAT
 from onto_compiler.turtle.source_map import SourceMap, read_map
-from runtime.records import Attempt, Diagnosis, RouteDecision
+from runtime.loop.records import Attempt, Diagnosis, RouteDecision
 
 __all__ = ["Reasons", "load_reasons"]
 

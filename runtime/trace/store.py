@@ -19,7 +19,7 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import ALIGNED, PREFIXES, RDF, TRACE, node
 from onto_compiler.schema import Schema
 from onto_compiler.validator.records import record_validator
-from runtime.records import Episode
+from runtime.loop.records import Episode
 from runtime.trace.admission import refuse_invalid
 from runtime.trace.names import RUNS, episode_iri
 from runtime.trace.read import episode_iris, read_episode

@@ -26,8 +26,8 @@ from onto_compiler.required_rdf import (
 from onto_compiler.schema import Schema
 from onto_compiler.statements import Statement, describe, link, quads_of
 from onto_compiler.tables import STATUSES
-from runtime.diagnosis import evidence_status
-from runtime.records import (
+from runtime.loop.diagnosis import evidence_status
+from runtime.loop.records import (
     Application,
     Attempt,
     Diagnosis,

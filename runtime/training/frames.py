@@ -14,7 +14,7 @@ import torch
 from numpy.typing import NDArray
 
 from grounding.world_model.encoder import Encoder, Features, Pictures
-from runtime.pointmaze.maze import MACRO_STEPS
+from runtime.worlds.pointmaze.maze import MACRO_STEPS
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

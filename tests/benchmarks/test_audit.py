@@ -14,7 +14,7 @@ from benchmarks.audit_tables import audit_table, suites_table, versions_table
 from benchmarks.audit_versions import AUDIT_VERSIONS
 from benchmarks.overlay import overlay
 from onto_compiler.problems import OntoError
-from runtime.audit.records import Failure, Fault, StateAudit, TaskAudit
+from runtime.worlds.libero.audit.records import Failure, Fault, StateAudit, TaskAudit
 
 ON = "on(bowl, ramekin)"
 

@@ -6,8 +6,8 @@ import pytest
 
 from benchmarks.pointmaze import BLOCKS, COMPARED, POINTMAZE, TRACES
 from benchmarks.pointmaze_tables import pointmaze_table
-from runtime.planning.pointmaze.rows import ROWS
 from runtime.trace.store import open_trace
+from runtime.worlds.pointmaze.planning.rows import ROWS
 
 pytestmark = pytest.mark.sim
 

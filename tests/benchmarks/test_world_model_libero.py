@@ -126,11 +126,11 @@ def test_a_row_holds_each_fact_that_a_task_asks_for(tmp_path):
     from grounding.world_model.model import SceneModel
     from grounding.world_model.scene import SceneEventHead, SceneFactHead
     from onto_compiler.knowledge import load_knowledge
-    from runtime.training.libero.hand import SIZE
-    from runtime.training.libero.library import Filmed, _write
-    from runtime.training.libero.scene import scene_facts
-    from runtime.training.libero.windows import windows
-    from tests.runtime.training.libero.conftest import made
+    from runtime.worlds.libero.training.hand import SIZE
+    from runtime.worlds.libero.training.library import Filmed, _write
+    from runtime.worlds.libero.training.scene import scene_facts
+    from runtime.worlds.libero.training.windows import windows
+    from tests.runtime.worlds.libero.training.conftest import made
 
     torch.manual_seed(0)
     asked, looks = scene_facts(load_knowledge()), encoder("pixels:8:128")

@@ -46,7 +46,7 @@ def test_the_program_prints_what_the_page_shows():
 
 
 def test_every_command_of_the_page_is_understood():
-    from runtime.demos.command import DEMOS
+    from runtime.worlds.libero.demos.command import DEMOS
 
     parser = argparse.ArgumentParser()
     DEMOS.configure(parser)
@@ -57,10 +57,10 @@ def test_every_command_of_the_page_is_understood():
 
 
 def test_numbers_of_the_page_are_those_of_the_program():
-    from runtime.demos.collect import COUNTS
-    from runtime.demos.disturb import Strength
-    from runtime.demos.replay import AFTER
-    from runtime.demos.trial import HELD_OUT, PAST
+    from runtime.worlds.libero.demos.collect import COUNTS
+    from runtime.worlds.libero.demos.disturb import Strength
+    from runtime.worlds.libero.demos.replay import AFTER
+    from runtime.worlds.libero.demos.trial import HELD_OUT, PAST
 
     assert (HELD_OUT, PAST, AFTER) == (40, 10, 20)
     assert COUNTS == {"libero_goal": 50, "libero_spatial": 10, "libero_object": 10, "libero_10": 10}

@@ -33,7 +33,7 @@ def test_an_example_prints_what_the_page_shows(program, printed, tmp_path):
 def test_every_option_that_the_page_names_exists():
     import inspect
 
-    from runtime.gym.environment import LiberoEnv
+    from runtime.worlds.libero.gym.environment import LiberoEnv
 
     options = set(inspect.signature(LiberoEnv).parameters)
     named = set(re.findall(r"`(\w+)=", PAGE))
@@ -42,7 +42,7 @@ def test_every_option_that_the_page_names_exists():
 
 
 def test_the_horizons_are_those_of_the_program():
-    from runtime.gym.tasks import HORIZONS
+    from runtime.worlds.libero.scene.horizons import HORIZONS
 
     shown = re.search(r"horizon \((.*?);", PAGE)[1]
     assert [int(number) for number in re.findall(r" (\d{3})", shown)] == list(HORIZONS.values())

@@ -71,7 +71,7 @@ def test_tolerances_of_the_page_are_those_of_the_ontology():
 
 
 def test_every_option_that_the_page_names_exists():
-    from runtime.pointmaze.environment import PointMazeEnv
+    from runtime.worlds.pointmaze.environment import PointMazeEnv
 
     options = set(inspect.signature(PointMazeEnv).parameters)
     named = set(re.findall(r"`(\w+)=", PAGE.partition("## Many states at once")[0]))

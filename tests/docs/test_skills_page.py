@@ -53,11 +53,11 @@ def test_every_command_of_the_page_is_understood():
 
 
 def test_the_ends_that_the_page_names_are_those_that_skills_give():
-    from runtime.skills import play
+    from runtime.worlds.libero.skills import play
 
     raised = {
         kind
-        for path in sorted((ROOT / "runtime/skills").glob("*.py"))
+        for path in sorted((ROOT / "runtime/worlds/libero/skills").glob("*.py"))
         for kind in re.findall(r'SkillFault\(\s*"(\w+)"', path.read_text())
     }
     (sentence,) = re.findall(r"(?s)and its end: (.*?)\n\n", PAGE)
@@ -65,7 +65,7 @@ def test_the_ends_that_the_page_names_are_those_that_skills_give():
 
 
 def test_look_ahead_tries_as_many_candidates_as_the_page_says():
-    from runtime.skills.play import Player
+    from runtime.worlds.libero.skills.play import Player
 
     assert inspect.signature(Player.lookahead).parameters["candidates"].default == 6
     assert "(six, where nothing else is said)" in PAGE.replace("\n", " ")

@@ -18,7 +18,7 @@ def assets():
     """Asset category -> LIBERO's class."""
     import importlib
 
-    from runtime.simulator.native_import import control_env
+    from runtime.worlds.libero.simulator.native_import import control_env
 
     control_env()
     return importlib.import_module("libero.libero.envs.base_object").OBJECTS_DICT
@@ -72,8 +72,8 @@ def test_every_asset_that_can_open_or_turn_has_its_thresholds_declared(assets, s
 @pytest.mark.parametrize("suite", SUITES)
 def test_the_index_of_every_scene_is_libero_s_own(suite):
     from grounding.scenes import Scene
-    from runtime.simulator.assets import tasks
-    from runtime.simulator.native_import import control_env, quiet
+    from runtime.worlds.libero.simulator.assets import tasks
+    from runtime.worlds.libero.simulator.native_import import control_env, quiet
 
     compared = 0
     assert len(tasks(suite)) == 10
@@ -113,8 +113,8 @@ def test_a_whole_cabinet_is_open_by_any_drawer_and_closed_by_all(schema, predica
     from grounding.scenes import Scene
     from grounding.sim import SimGrounder
     from onto_compiler.required import Entity, Fact, NativeAtom
-    from runtime.simulator.assets import find_task
-    from runtime.simulator.native import NativeTask
+    from runtime.worlds.libero.simulator.assets import find_task
+    from runtime.worlds.libero.simulator.native import NativeTask
 
     threshold = schema.thresholds["wooden_cabinet", predicate]
     atom = NativeAtom(predicate, ("wooden_cabinet_1",))
@@ -134,8 +134,8 @@ def test_the_gap_between_objects_is_the_smallest_over_all_their_boxes():
     from grounding.predicates.boxes import box_distance
     from grounding.predicates.contact import Contact
     from grounding.scenes import Scene
-    from runtime.simulator.assets import find_task
-    from runtime.simulator.native import NativeTask
+    from runtime.worlds.libero.simulator.assets import find_task
+    from runtime.worlds.libero.simulator.native import NativeTask
 
     rng = np.random.default_rng(3)
     with NativeTask.open(find_task("libero_goal", 9)) as native:

@@ -6,7 +6,7 @@ from onto_compiler.bddl.lift import required_abox
 from onto_compiler.bddl.parse import parse_file
 from onto_compiler.compile_schema import load_schema
 from onto_compiler.rdf import MAN
-from runtime.simulator.assets import find_task, tasks
+from runtime.worlds.libero.simulator.assets import find_task, tasks
 
 pytestmark = pytest.mark.sim
 SUITES = {"libero_spatial": 10, "libero_object": 10, "libero_goal": 10, "libero_10": 10, "libero_90": 90}

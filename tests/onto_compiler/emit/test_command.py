@@ -13,7 +13,7 @@ from onto_compiler.command import CLEAN, FINDINGS, MISUSE
 from onto_compiler.emit import OUTPUTS, emit
 from onto_compiler.emit.tbox import read_tbox
 from runtime.cli import main
-from runtime.summary import episode_summary
+from runtime.trace.summary import episode_summary
 from tests.runtime.trace.samples import accepted
 from tests.strategies import SCHEMA as VOCABULARY
 

@@ -13,7 +13,7 @@ from onto_compiler.emit.jsonld import emit
 from onto_compiler.emit.records import DOCUMENTS, RECORDS, TYPE
 from onto_compiler.emit.tbox import read_tbox
 from onto_compiler.rdf import BASE, CORE, MAN, TRACE
-from runtime.summary import episode_summary
+from runtime.trace.summary import episode_summary
 from tests.runtime.trace.samples import accepted, all_samples, unresolved
 from tests.strategies import SCHEMA
 

@@ -13,7 +13,7 @@ from onto_compiler.commands import abox_record
 from onto_compiler.emit.jsonschema import emit
 from onto_compiler.emit.tbox import read_tbox
 from runtime.cli import main
-from runtime.summary import episode_summary
+from runtime.trace.summary import episode_summary
 from tests.runtime.trace.samples import accepted, all_samples, planned
 from tests.strategies import SCHEMA
 

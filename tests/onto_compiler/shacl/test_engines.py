@@ -10,11 +10,11 @@ from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
 from rdflib import Graph as RdflibGraph
 
 from benchmarks.shacl_cases import corpus
+from benchmarks.shapes_pyshacl import read_report
 from onto_compiler.problems import OntoError
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
 from onto_compiler.shacl.validate import validate_graph
-from onto_compiler.shapes_pyshacl import read_report
 
 EX = "https://example.org/"
 PREFIXES = """

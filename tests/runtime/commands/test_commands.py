@@ -14,8 +14,8 @@ import pytest
 from onto_compiler.command import CLEAN, FINDINGS, MISUSE
 from onto_compiler.problems import OntoError
 from runtime.cli import main
-from runtime.simulator.assets import find_task, initial_states
 from runtime.trace.store import open_trace
+from runtime.worlds.libero.simulator.assets import find_task, initial_states
 
 pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
 # A shell that runs the tests in the background lets its children ignore SIGINT.

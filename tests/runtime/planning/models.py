@@ -12,9 +12,9 @@ from grounding.world_model.events import EventHead
 from grounding.world_model.facts import FactHead
 from grounding.world_model.model import FILES
 from grounding.world_model.projection import Projected, fit, save_projection
-from runtime.pointmaze.maze import maze_named
-from runtime.pointmaze.picture import draw
-from runtime.pointmaze.trials import trial
+from runtime.worlds.pointmaze.maze import maze_named
+from runtime.worlds.pointmaze.picture import draw
+from runtime.worlds.pointmaze.trials import trial
 
 NAMES = ["at_target", "velocity_matches", "free_of"]
 CENTRE, SCALE = [1.8, 1.8, 0.0, 0.0], [2.5, 2.5, 5.0, 5.0]

@@ -7,11 +7,11 @@ import pytest
 import torch
 
 from runtime.planning.cem import Budget
-from runtime.planning.pointmaze import rows
-from runtime.planning.pointmaze.mpc import play
-from runtime.planning.pointmaze.playing import generator
-from runtime.pointmaze.maze import MACRO_STEPS
-from runtime.pointmaze.trials import trial
+from runtime.worlds.pointmaze.maze import MACRO_STEPS
+from runtime.worlds.pointmaze.planning import rows
+from runtime.worlds.pointmaze.planning.mpc import play
+from runtime.worlds.pointmaze.planning.playing import generator
+from runtime.worlds.pointmaze.trials import trial
 from tests.gpu import DEVICE, Gpu
 from tests.runtime.planning.models import write_model
 

@@ -16,7 +16,8 @@ from grounding.world_model.pred import Goal, PredGrounder, Predicted
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import local_name
-from runtime.diagnosis import diagnose
+from runtime.loop.diagnosis import diagnose
+from runtime.loop.routed import load_routed
 from runtime.planning.cem import Budget, Found, Region, Sampling
 from runtime.planning.guided import improve
 from runtime.planning.mechanisms import (
@@ -29,8 +30,7 @@ from runtime.planning.mechanisms import (
 )
 from runtime.planning.question import COPIES, Question
 from runtime.planning.scorers import Weighted, Weights
-from runtime.pointmaze.grounded import required_facts
-from runtime.routed import load_routed
+from runtime.worlds.pointmaze.grounded import required_facts
 
 KNOWLEDGE = load_knowledge()
 REQUIRED = required_facts(KNOWLEDGE)

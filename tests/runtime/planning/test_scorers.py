@@ -8,8 +8,8 @@ from onto_compiler.compile_schema import load_schema
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Score, ScoreTerm
-from runtime.planning.pointmaze.rows import ROWS
 from runtime.planning.scorers import Weights
+from runtime.worlds.pointmaze.planning.rows import ROWS
 
 PLAN = "https://w3id.org/onto-evwm/planning#"
 SCORES = load_knowledge().schema.scores

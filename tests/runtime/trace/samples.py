@@ -17,9 +17,9 @@ from onto_compiler.rdf import BASE, MAN
 from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.tables import FIRST, REPEAT
-from runtime.diagnosis import diagnose, select
-from runtime.records import Application, Attempt, Episode, ExecutedPlan, Prediction, Proposal, Verification
-from runtime.routing import route
+from runtime.loop.diagnosis import diagnose, select
+from runtime.loop.records import Application, Attempt, Episode, ExecutedPlan, Prediction, Proposal, Verification
+from runtime.loop.routing import route
 
 KNOWLEDGE = load_knowledge()
 SCHEMA = KNOWLEDGE.schema
@@ -171,7 +171,7 @@ def played():
 
 def planned():
     """Two executed plans: the first was predicted to reach the target and did not, the second was bettered first."""
-    text = (Path(runtime.__file__).parent / "pointmaze/tasks/u_maze.bddl").read_text()
+    text = (Path(runtime.__file__).parent / "worlds/pointmaze/tasks/u_maze.bddl").read_text()
     required = lift(parse(text, "pointmaze/u_maze.bddl"), SCHEMA, "u_maze")[0]
 
     def predicted(*margins, step):

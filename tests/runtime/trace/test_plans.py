@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from onto_compiler.rdf import CORE, TRACE
-from runtime.summary import episode_summary
 from runtime.trace.narrate import narrate
 from runtime.trace.store import TraceStore
+from runtime.trace.summary import episode_summary
 from tests.runtime.trace.plain import plain
 from tests.runtime.trace.samples import KNOWLEDGE, SCHEMA, partly_sensed, planned
 

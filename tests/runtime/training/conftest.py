@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from runtime.training import heads, motion, pointmaze
+from runtime.training import heads, motion
+from runtime.worlds.pointmaze import training as pointmaze
 
 
 @pytest.fixture

@@ -7,8 +7,8 @@ import pytest
 
 from grounding.world_model.model import FILES, load_world_model
 from runtime.cli import main
-from runtime.training import pointmaze
-from runtime.training.command import _chosen
+from runtime.commands.train import _chosen
+from runtime.worlds.pointmaze import training as pointmaze
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ import torch
 from grounding.world_model.checkpoint import load
 from grounding.world_model.model import FILES, load_world_model
 from runtime.training import STAGES
-from runtime.training.pointmaze import Course, train
 from runtime.training.stages import Place
+from runtime.worlds.pointmaze.training import Course, train
 from tests.gpu import DEVICE, Gpu
 from tests.interruption import interrupted
 

@@ -1,0 +1,220 @@
+"""Algorithm 1 of the paper: ground, diagnose, route, propose, apply, verify, and retry or reroute within a budget."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grounding.observation import Observation
+from grounding.scenes import Scene
+from onto_compiler.knowledge import Knowledge
+from onto_compiler.required import RequiredABox
+from onto_compiler.tables import EXHAUSTED, FIRST, REPEAT
+from runtime.loop.diagnosis import diagnose_goal, select
+from runtime.loop.faults import RunFault
+from runtime.loop.proposer import Proposer, Request
+from runtime.loop.records import Application, Attempt, Diagnosis, Proposal, RouteDecision, Verification
+from runtime.loop.routing import route
+
+__all__ = ["Correction", "CorrectionLoop", "Environment", "RunFault"]
+
+
+class Environment(Protocol):
+    """What the loop needs of a simulated state: read it, write it, ask the native predicate."""
+
+    @property
+    def scene(self) -> Scene:
+        """The index of the model."""
+        ...
+
+    @property
+    def qpos(self) -> NDArray[np.float64]:
+        """A copy of the generalised positions, shape (nq,)."""
+        ...
+
+    @property
+    def qvel(self) -> NDArray[np.float64]:
+        """A copy of the generalised velocities, shape (nv,)."""
+        ...
+
+    def observe(self) -> Observation:
+        """Ground the required facts in the current state."""
+        ...
+
+    def observe_at(self, qpos: NDArray[np.float64]) -> Observation:
+        """Ground the required facts on a scratch copy in which ``qpos`` was written."""
+        ...
+
+    def apply(self, proposal: Proposal) -> Application:
+        """Apply ``proposal`` in the mode of its route; raise :class:`RunFault` where the result is not finite."""
+        ...
+
+    def verify(self) -> Verification:
+        """Ask the native predicate."""
+        ...
+
+    def settle(self, verification: Verification) -> Verification:
+        """Let the state settle and record whether the native predicate still holds."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Correction:
+    """What :meth:`CorrectionLoop.run` returns: the attempts, and how and in which observed state the loop ended."""
+
+    initial: Observation
+    attempts: tuple[Attempt, ...]
+    final: Observation
+    outcome: str
+    verification: Verification | None
+
+
+@dataclass(frozen=True, slots=True)
+class CorrectionLoop:
+    """The loop's fixed parts: what the ontology says, a proposer per route name, how many attempts it may make."""
+
+    knowledge: Knowledge
+    proposers: Mapping[str, Proposer]
+    budget: int
+
+    def run(
+        self,
+        required: RequiredABox,
+        environment: Environment | None,
+        rng: np.random.Generator,
+        *,
+        predicted: Observation | None = None,
+        features: Any = None,  # noqa: ANN401 - what a learned proposer consumes
+        report: Callable[[Attempt], None] | None = None,
+    ) -> Correction:
+        """Correct the state of ``environment`` until the native predicate accepts it or the budget is spent.
+
+        With ``predicted`` the source starts as ``pred``: a satisfied prediction is retained and nothing is executed;
+        an unsatisfied one is corrected in ``environment`` where one is given. Without it the source is ``sim``
+        throughout. ``report`` is called with each attempt as soon as it is over.
+        """
+        if predicted is None and environment is None:
+            raise ValueError("a simulator source needs an environment")
+        return _Run(self, required, environment, rng, features).correct(predicted, report)
+
+
+@dataclass(slots=True)
+class _Run:
+    """One run of the algorithm, with what it remembers between attempts."""
+
+    loop: CorrectionLoop
+    required: RequiredABox
+    environment: Environment | None
+    rng: np.random.Generator
+    features: Any
+    attempts: list[Attempt] = field(default_factory=list)
+    offered: dict[tuple[int, str], int] = field(default_factory=dict)  # candidates so far, by fact and route
+    rejected: RouteDecision | None = None
+
+    def correct(self, predicted: Observation | None, report: Callable[[Attempt], None] | None) -> Correction:
+        observation = initial = self._observe() if predicted is None else predicted
+        while True:
+            diagnoses = diagnose_goal(self.required, observation, self.loop.knowledge.tables)
+            end = self._before_attempt(observation, diagnoses)
+            if end is None:
+                attempt = self._attempt(observation, diagnoses)
+                if attempt is None:
+                    end = "unresolved"
+                else:
+                    self.attempts.append(attempt)
+                    if report is not None:
+                        report(attempt)
+                    observation = self._observe()
+                    end = _after_attempt(attempt)
+            if end is not None:
+                outcome, verification = (end, self._verdict()) if isinstance(end, str) else end
+                return Correction(initial, tuple(self.attempts), observation, outcome, verification)
+
+    def _before_attempt(
+        self, observation: Observation, diagnoses: tuple[Diagnosis, ...]
+    ) -> str | tuple[str, Verification] | None:
+        """Step 3: how the run ends without a further attempt, or None."""
+        if observation.source == "pred" and not diagnoses:
+            return "retained"
+        environment = self.environment
+        if environment is None:
+            return "unresolved"
+        if observation.source == "sim" and not (self.attempts and diagnoses):
+            verification = environment.verify()
+            if verification.outcome:
+                return "verified", environment.settle(verification)
+            if not diagnoses:
+                return "grounding_verifier_disagreement", verification
+        return "unresolved" if len(self.attempts) >= self.loop.budget else None
+
+    def _attempt(self, observation: Observation, diagnoses: tuple[Diagnosis, ...]) -> Attempt | None:
+        """Steps 4 to 6 once; None when no route has a further candidate for the selected failure."""
+        environment = self.environment
+        decision, proposal = self._dispatch(select(diagnoses))
+        if environment is None or proposal is None:
+            return None
+        index = len(self.attempts)
+        try:
+            application = environment.apply(proposal)
+            verification = environment.verify()
+            if verification.outcome:
+                verification = environment.settle(verification)
+        except RunFault as fault:
+            return Attempt(index, observation, diagnoses, decision, fault=str(fault))
+        self.rejected = None if verification.outcome else decision
+        return Attempt(index, observation, diagnoses, decision, application, verification)
+
+    def _dispatch(self, selected: Diagnosis) -> tuple[RouteDecision, Proposal | None]:
+        """Follow the routing rules until some route has a candidate, or each has said that it has none."""
+        status, previous = FIRST, None
+        if self.rejected is not None and self.rejected.diagnosis.index == selected.index:
+            status, previous = REPEAT, self.rejected.route
+        spent: set[str] = set()
+        while True:
+            decision = route(selected, self.loop.knowledge, status, previous)
+            proposal = None if decision.route in spent else self._propose(decision)
+            if proposal is not None or decision.route in spent:
+                return decision, proposal
+            spent.add(decision.route)
+            status, previous = EXHAUSTED, decision.route
+
+    def _propose(self, decision: RouteDecision) -> Proposal | None:
+        name = self.loop.knowledge.schema.routes[decision.route].name
+        proposer, environment = self.loop.proposers.get(name), self.environment
+        if proposer is None or environment is None:
+            return None
+        key = (decision.diagnosis.index, decision.route)
+        candidate = self.offered.get(key, 0)
+        self.offered[key] = candidate + 1
+        return proposer.propose(
+            Request(
+                scene=environment.scene,
+                qpos=environment.qpos,
+                qvel=environment.qvel,
+                required=self.required,
+                diagnosis=decision.diagnosis,
+                candidate=candidate,
+                observe=environment.observe_at,
+                rng=self.rng,
+                features=self.features,
+            )
+        )
+
+    def _observe(self) -> Observation:
+        if self.environment is None:
+            raise ValueError("a simulator source needs an environment")
+        return self.environment.observe()
+
+    def _verdict(self) -> Verification | None:
+        return self.attempts[-1].verification if self.attempts else None
+
+
+def _after_attempt(attempt: Attempt) -> str | None:
+    """Step 6: how the run ends after ``attempt``, or None."""
+    if attempt.fault:
+        return "run_fault"
+    return "accepted" if attempt.verification is not None and attempt.verification.outcome else None

@@ -1,0 +1,129 @@
+"""Delta F and Pi_D: which required facts are unsatisfied, and what kind of failure each one is (paper, section 3).
+
+Numbers become finite statuses here; what a status means is for the rules to say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grounding.observation import Observation
+from onto_compiler.problems import OntoError
+from onto_compiler.required import Fact, RequiredABox
+from onto_compiler.schema import local_name
+from onto_compiler.tables import ABSENT, EXPLICITLY_FALSE, MARGIN_VIOLATED, SATISFIED, STATUSES, RuleTables
+from runtime.loop.records import Diagnosis
+
+__all__ = ["by_distance", "diagnose", "diagnose_goal", "evidence_status", "select", "unmet"]
+
+_CODE = {status: code for code, status in enumerate(STATUSES)}
+
+
+def evidence_status(facts: Sequence[Fact], observation: Observation) -> NDArray[np.int8]:
+    """Sat_T for each required fact, as an index into :data:`onto_compiler.tables.STATUSES`; shape (n,).
+
+    A fact is absent without evidence; explicitly false when its truth differs from the required polarity; its margin is
+    violated when a defined margin, signed by polarity, lies below the required threshold. A negative threshold is a
+    tolerance (of an initial fact, see ``core:premiseTolerance``): the margin then decides, whatever the truth.
+    """
+    if len(facts) != len(observation):
+        raise ValueError(f"{len(facts)} required facts and an observation of {len(observation)}")
+    polarity = np.array([fact.polarity for fact in facts], dtype=np.bool_)
+    threshold = np.array([fact.threshold for fact in facts], dtype=np.float64)
+    signed = np.where(polarity, observation.margin, -observation.margin)
+    status = np.full(len(facts), _CODE[SATISFIED], dtype=np.int8)
+    # A comparison with NaN is false: where no margin is defined, none is violated.
+    status[signed < threshold] = _CODE[MARGIN_VIOLATED]
+    status[observation.truth != polarity] = _CODE[EXPLICITLY_FALSE]
+    status[(threshold < 0) & (signed >= threshold)] = _CODE[SATISFIED]
+    status[~observation.observed] = _CODE[ABSENT]
+    return status
+
+
+def by_distance(required: RequiredABox, observation: Observation) -> tuple[tuple[int, ...], ...]:
+    """The alternatives of the goal as indices of facts, the nearest first; without any, one with every fact.
+
+    Nearer is what has fewer unmet facts, then fewer of them without a margin, then the smaller sum of what the margins
+    lack (in their own units), then what comes first.
+    """
+    if not required.alternatives:
+        return required.ways
+    facts = required.facts
+    open_ = evidence_status(facts, observation) != _CODE[SATISFIED]
+    threshold = np.array([fact.threshold for fact in facts], dtype=np.float64)
+    signed = np.where([fact.polarity for fact in facts], observation.margin, -observation.margin)
+    unmeasured = open_ & np.isnan(signed)
+    lack = np.where(open_ & ~unmeasured, np.maximum(threshold - signed, 0.0), 0.0)
+
+    def distance(way: tuple[int, ...]) -> tuple[int, int, float]:
+        chosen = list(way)
+        return int(open_[chosen].sum()), int(unmeasured[chosen].sum()), float(lack[chosen].sum())
+
+    return tuple(sorted(required.alternatives, key=distance))
+
+
+def unmet(required: RequiredABox, observation: Observation) -> tuple[int, ...]:
+    """The indices of the unsatisfied facts of the nearest alternative."""
+    status = evidence_status(required.facts, observation)
+    return tuple(i for i in by_distance(required, observation)[0] if status[i] != _CODE[SATISFIED])
+
+
+def diagnose_goal(
+    required: RequiredABox, observation: Observation, tables: RuleTables, rank: int = 0
+) -> tuple[Diagnosis, ...]:
+    """One record for each unsatisfied fact of the nearest alternative, or of the one that ``rank`` others precede.
+
+    Where it is empty for rank 0 the goal holds.
+
+    Raises:
+        OntoError: as :func:`diagnose`.
+    """
+    if not required.alternatives:
+        return diagnose(required.facts, observation, tables)
+    return diagnose(required.facts, observation, tables, by_distance(required, observation)[rank])
+
+
+def diagnose(
+    facts: Sequence[Fact], observation: Observation, tables: RuleTables, only: Collection[int] | None = None
+) -> tuple[Diagnosis, ...]:
+    """One record for each unsatisfied fact, in the order of the required ABox; ``only`` are the indices to look at.
+
+    Raises:
+        OntoError: RUN003, where no diagnosis rule speaks of an unsatisfied fact.
+    """
+    found = []
+    for index, code in enumerate(evidence_status(facts, observation)):
+        status = STATUSES[code]
+        if status == SATISFIED or (only is not None and index not in only):
+            continue
+        fact = facts[index]
+        entry = tables.diagnosis.get((fact.predicate, fact.polarity, status))
+        if entry is None:
+            raise OntoError.of(
+                "RUN003",
+                f"no diagnosis rule speaks of `{fact}` with status `{local_name(status)}`",
+                f"add a rule for the kind of predicate that `{local_name(fact.predicate)}` is",
+            )
+        found.append(
+            Diagnosis(
+                fact=fact,
+                index=index,
+                failure=entry.failure,
+                status=status,
+                truth=bool(observation.truth[index]),
+                margin=float(observation.margin[index]),
+                limit=observation.limit[index],
+                source=observation.source,
+                rule=entry.rule,
+                priority=entry.priority,
+            )
+        )
+    return tuple(found)
+
+
+def select(diagnoses: Sequence[Diagnosis]) -> Diagnosis:
+    """d-dagger: the diagnosis of the smallest priority, the first of them in the order of the required ABox."""
+    return min(diagnoses, key=lambda diagnosis: (diagnosis.priority, diagnosis.index))

@@ -1,0 +1,46 @@
+"""What a proposer is given and what it gives back. A heuristic and a torch head fit the same protocol."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from grounding.observation import Observation
+from grounding.scenes import Scene
+from onto_compiler.required import RequiredABox
+from runtime.loop.records import Diagnosis, Proposal
+
+__all__ = ["Proposer", "Request"]
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """The arguments of P_r(s, A*_g, d): geometry through ``scene``, never a task name.
+
+    ``qpos`` (nq,) and ``qvel`` (nv,) are the current state. ``candidate`` counts what this route already offered for
+    this fact in this episode. ``observe`` grounds the required facts on a scratch copy in which ``qpos`` was written.
+    """
+
+    scene: Scene
+    qpos: NDArray[np.float64]
+    qvel: NDArray[np.float64]
+    required: RequiredABox
+    diagnosis: Diagnosis
+    candidate: int
+    observe: Callable[[NDArray[np.float64]], Observation]
+    rng: np.random.Generator
+    features: Any = None  # what a learned head consumes; heuristics ignore it
+
+
+class Proposer(Protocol):
+    """Generates one proposal per call, or None when it has no further candidate."""
+
+    name: str
+
+    def propose(self, request: Request) -> Proposal | None:
+        """Return candidate number ``request.candidate`` for ``request.diagnosis``."""
+        ...

@@ -1,0 +1,1 @@
+"""LIBERO's tabletop manipulation under MuJoCo."""

@@ -1,0 +1,112 @@
+"""Audit many tasks over processes; what was audited before, under the same everything, is not audited again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from multiprocessing import get_context
+from pathlib import Path
+
+from onto_compiler.knowledge import load_knowledge
+from runtime.worlds.libero.audit.kept import KeptTasks
+from runtime.worlds.libero.audit.kinds import Kind, load_kinds
+from runtime.worlds.libero.audit.measures import DECIDING, MEASURES
+from runtime.worlds.libero.audit.records import Audit, Fault, TaskAudit
+from runtime.worlds.libero.audit.task import audit_task
+from runtime.worlds.libero.simulator.assets import TaskRef
+from runtime.worlds.libero.simulator.native import versions
+
+__all__ = ["Plan", "kinds_of", "run_audit"]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What every task is audited with: how many ``states`` (None: all), which ontology, and where it is kept."""
+
+    states: int | None = None
+    seed: int = 0
+    ontology: tuple[str, ...] = ()
+    folder: Path | None = None
+
+
+def run_audit(refs: Sequence[TaskRef], plan: Plan, jobs: int, tick: Callable[[TaskAudit], None]) -> Audit:
+    """Audit ``refs`` in their order, with at most ``jobs`` processes; ``tick`` is told of each as it is done.
+
+    Raises:
+        OntoError: TTL and ``RUN020``, where the ontology cannot be used. A task that cannot be audited is a finding.
+    """
+    kinds = kinds_of(plan.ontology)
+    load_knowledge(*plan.ontology)
+    done: dict[TaskRef, TaskAudit] = {}
+    kept = KeptTasks(plan.folder, plan.ontology, plan.seed)
+    for ref in refs:
+        if (task := _known(ref, plan, kept)) is not None:
+            done[ref] = task
+            tick(task)
+    for ref, task in _all([ref for ref in refs if ref not in done], plan, jobs):
+        done[ref] = task
+        tick(task)
+    declared = {kind.name: {name: v for name, v in asdict(kind).items() if name != "name"} for kind in kinds}
+    return Audit(versions(), plan.seed, declared, tuple(done[ref] for ref in refs))
+
+
+@lru_cache(maxsize=4)
+def kinds_of(extra: tuple[str, ...]) -> tuple[Kind, ...]:
+    """The kinds of premise failure that the shipped ontology and ``extra`` declare; raises as ``load_kinds``."""
+    return load_kinds(extra, measures=MEASURES, deciding=DECIDING)
+
+
+def _all(refs: Sequence[TaskRef], plan: Plan, jobs: int) -> Iterator[tuple[TaskRef, TaskAudit]]:
+    if jobs <= 1 or len(refs) <= 1:
+        yield from ((ref, _one(ref, plan)) for ref in refs)
+        return
+    left = dict.fromkeys(refs)
+    try:
+        for ref, task in _pooled(refs, plan, jobs):
+            del left[ref]
+            yield ref, task
+    except BrokenProcessPool:
+        # One task took its process down and the others with it: the rest run alone, and it is known which one it was.
+        for ref in left:
+            yield ref, _alone(ref, plan)
+
+
+def _pooled(refs: Sequence[TaskRef], plan: Plan, jobs: int) -> Iterator[tuple[TaskRef, TaskAudit]]:
+    # spawn: MuJoCo and Oxigraph hold threads, which a fork would cut in half.
+    with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
+        pending = {pool.submit(_one, ref, plan): ref for ref in refs}
+        try:
+            for future in as_completed(pending):
+                yield pending[future], future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _alone(ref: TaskRef, plan: Plan) -> TaskAudit:
+    try:
+        ((_, task),) = _pooled([ref], plan, 1)
+    except BrokenProcessPool:
+        fault = Fault("RUN024", "the process that audited this task died")
+        return TaskAudit(ref.suite, ref.index, ref.name, ref.initial_states.is_file(), 0, (), (fault,))
+    return task
+
+
+def _known(ref: TaskRef, plan: Plan, kept: KeptTasks) -> TaskAudit | None:
+    """The audit of ``ref`` as far as ``plan`` asks for, where all of it was kept."""
+    known = kept.load(ref)
+    if known is None or len(known.states) < min(plan.states or known.available, known.available):
+        return None
+    return replace(known, states=known.states[: plan.states])
+
+
+def _one(ref: TaskRef, plan: Plan) -> TaskAudit:
+    kept = KeptTasks(plan.folder, plan.ontology, plan.seed)
+    known = kept.load(ref)
+    before = known.states if known else ()
+    task = audit_task(ref, load_knowledge(*plan.ontology), kinds_of(plan.ontology), plan.states, plan.seed, before)
+    kept.save(ref, task)
+    return task

@@ -1,0 +1,1 @@
+"""The correction loop's environment over LIBERO's native one, and whole episodes in it."""

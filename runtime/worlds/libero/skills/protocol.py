@@ -1,0 +1,67 @@
+"""What a skill is given and what it gives back: plans, each a motion of the arm that may make one fact true."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from onto_compiler.required import Fact
+from onto_compiler.schema import Schema
+from runtime.worlds.libero.skills.frames import Pose
+from runtime.worlds.libero.skills.reach import Reach
+from runtime.worlds.libero.skills.world import World
+
+__all__ = ["Plan", "Skill", "SkillRequest"]
+
+
+@dataclass(frozen=True, slots=True)
+class SkillRequest:
+    """The fact that a skill has to make true, and the world as it is; never a task name.
+
+    ``holds`` says whether the fact would be true with its first argument at a pose, or is None where nothing can tell.
+    ``tried`` are the grasps that failed for this fact already; ``sharing`` facts speak of the same place.
+    """
+
+    world: World
+    reach: Reach
+    fact: Fact
+    schema: Schema
+    holds: Callable[[Pose], bool] | None = None
+    tried: Sequence[Pose] = ()
+    sharing: int = 1
+
+
+class Plan(Protocol):
+    """One way to make a fact true."""
+
+    @property
+    def run(self) -> Callable[[World, Reach], Generator[NDArray[np.float64], None, None]]:
+        """The motion, as actions (7,) of one control step each, in closed loop on the world that is given.
+
+        It raises :class:`~runtime.worlds.libero.skills.fault.SkillFault` where it gives up.
+        """
+        ...
+
+    @property
+    def poses(self) -> Sequence[Pose]:
+        """The grasps that count as tried with this plan."""
+        ...
+
+    @property
+    def note(self) -> str:
+        """What the plan does, in a few words for the record."""
+        ...
+
+
+class Skill(Protocol):
+    """The mechanism of one action route."""
+
+    name: str
+
+    def candidates(self, request: SkillRequest) -> Iterator[Plan]:
+        """The plans for ``request``, the best first and none near what was tried; none where it cannot help."""
+        ...

@@ -1,0 +1,172 @@
+"""Plans that pair a grasp with a spot: both must be in reach, and the object must fit through with the hand on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import chain, islice
+from typing import Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.worlds.libero.scene.geometry import align_yaw
+from runtime.worlds.libero.scene.targets import Place
+from runtime.worlds.libero.skills.frames import Pose, axis_angle, nearest_twin, wrapped
+from runtime.worlds.libero.skills.grasping import Grasp, Search
+from runtime.worlds.libero.skills.motion import Action
+from runtime.worlds.libero.skills.pick import APPROACH, alike, grasps_of, pick
+from runtime.worlds.libero.skills.place import UP, Spot, cost_of, place, spots
+from runtime.worlds.libero.skills.press import inward, leans, press
+from runtime.worlds.libero.skills.reach import Reach, Reached
+from runtime.worlds.libero.skills.world import World
+
+__all__ = ["Transfer", "reachable", "transfer", "transfers"]
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+
+TRIED = 80  # grasps that are checked for reach, spread over the object
+PAIRED = 25  # of those in reach, that are paired with spots
+ENTERED = 40  # spots behind an opening, that are checked for each grasp
+SPOTS = 6  # the best, that are checked for each grasp
+RELEASES = (0.008, 0.02, 0.035, 0.05, 0.07, 0.09)  # metres above the spot, the lowest that leaves the hand room
+QUARTERS = (0.0, np.pi / 2, -np.pi / 2, np.pi)
+YAWS = (0.0, np.pi / 4, -np.pi / 4, np.pi / 2, -np.pi / 2)
+LEANING = 0.6  # at least, of the approach along the way in: the hand stays outside
+LYING = Search(yaws=16, tilts=(0.8, 1.0, 1.2))
+TILTED = Search(yaws=16, tilts=(0.35, 0.7, 1.0))
+
+
+class Again(Generic[T]):
+    """An iterator whose items are kept, so that it can be gone through again without being worked out twice."""
+
+    def __init__(self, source: Iterator[T]) -> None:
+        self._source = source
+        self._kept: list[T] = []
+
+    def __iter__(self) -> Iterator[T]:
+        yield from self._kept
+        for item in self._source:
+            self._kept.append(item)
+            yield item
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Transfer:
+    """Take the subject of ``place`` by ``grasp`` and let it go ``release`` metres above ``spot``."""
+
+    place: Place
+    grasp: Grasp
+    spot: Spot
+    release: float
+
+
+def transfers(
+    world: World,
+    reach: Reach,
+    place_: Place,
+    holds: Callable[[Pose], bool],
+    tried: Sequence[Pose] = (),
+    sharing: int = 1,
+) -> Iterator[Transfer]:
+    """What the arm can do to bring ``place_.subject`` to its place, the best first; nothing near a ``tried`` grasp.
+
+    Upright grasps come before tilted ones, and the object's present rotation before others about the vertical.
+    ``holds`` says whether the required fact is true with the object at a pose; ``sharing`` objects go to the place.
+    """
+    entity = place_.subject
+    body = world.pose(entity)
+    targets = [
+        found
+        for turns in _turns(world, place_)
+        if (found := _spread(chain.from_iterable(spots(world, place_, turn, holds, sharing) for turn in turns)))
+    ]
+    enclosed = all(spot.entry[2] < 0.5 for found in targets for spot in found)
+    for search in (LYING,) if enclosed else (None, TILTED):
+        grasps = Again(reachable(world, reach, grasps_of(world, entity, search), tried))
+        for found in targets:
+            for grasp, at in islice(grasps, PAIRED):
+                local = grasp.pose.inverse() @ body
+                best = next(_released(reach, at, entity, local, found, grasp.width), None)
+                if best is not None:
+                    yield Transfer(place_, grasp, *best)
+
+
+def _spread(found: Iterable[Spot]) -> list[Spot]:
+    """The best spots and some of the others, from above; where there are none, some of every side and depth."""
+    ordered = sorted(found, key=cost_of)
+    above = [spot for spot in ordered if spot.entry[2] > 0.5]
+    if above:
+        return above[:SPOTS] + above[SPOTS :: max(1, len(above) // SPOTS)]
+    return ordered[:: max(1, len(ordered) // ENTERED)]
+
+
+def _turns(world: World, place_: Place) -> Iterator[tuple[Array, ...]]:
+    """Turns of the upright object to be tried together: what goes into something is first aligned with its sides.
+
+    Last, what is too tall to stand in something is laid down.
+    """
+    inside = place_.site is not None and place_.contains
+    aligned = 0.0
+    if inside:
+        aligned = align_yaw(world.pose(place_.subject).rotation, world.site_pose(str(place_.site)).rotation)
+        yield tuple(axis_angle(UP, wrapped(aligned + quarter)) for quarter in QUARTERS)
+    yield from ((axis_angle(UP, yaw),) for yaw in YAWS)
+    if inside:
+        standing = axis_angle(UP, aligned)
+        sides = (np.array([np.cos(quarter), np.sin(quarter), 0.0]) for quarter in QUARTERS)
+        yield tuple(axis_angle(side, np.pi / 2) @ standing for side in sides)
+
+
+def transfer(world: World, plan: Transfer) -> Generator[Action, None, None]:
+    """Carry out ``plan``; raises :class:`~runtime.worlds.libero.skills.fault.SkillFault` where it fails."""
+    entity, upright = plan.place.subject, plan.spot.pose.rotation
+    holding = yield from pick(world, entity, plan.grasp)
+    yield from place(world, holding, plan.spot, plan.release)
+    way = inward(world, plan.place)
+    if way is not None and leans(world, entity, upright):
+        yield from press(world, entity, way, upright)
+
+
+def reachable(
+    world: World, reach: Reach, grasps: Sequence[Grasp], tried: Sequence[Pose]
+) -> Iterator[tuple[Grasp, Reached]]:
+    """Those of ``grasps`` that the arm reaches without running into anything, none near another."""
+    start = reach.begin()
+    seen = list(tried)
+    for grasp in islice(grasps, 4000):
+        if any(alike(grasp.pose, pose) for pose in seen):
+            continue
+        seen.append(grasp.pose)
+        near = Pose(grasp.pose.position, nearest_twin(grasp.pose.rotation, world.eef.rotation))
+        for twin in (near, Pose(near.position, near.rotation * np.array([-1.0, -1.0, 1.0]))):
+            reach.begin()
+            at = reach.solve(twin, start)
+            if at.feasible and reach.solve(twin.backed(APPROACH), at.joints).feasible:
+                yield Grasp(twin, grasp.width, grasp.cost), at
+                break
+        if len(seen) > TRIED:
+            return
+
+
+def _released(
+    reach: Reach, at: Reached, entity: str, local: Pose, found: Sequence[Spot], width: float
+) -> Iterator[tuple[Spot, float]]:
+    """The spots that the object can be brought to with the hand on it, each with how far above it is let go."""
+    reach.begin()
+
+    def free(spot: Spot, offset: Array) -> bool:
+        pose = spot.pose.moved(offset) @ local.inverse()
+        return reach.solve(pose, at.joints, held=(entity, local), aperture=0.5 * width + 0.002).feasible
+
+    for spot in found:
+        if spot.entry[2] < 0.5:
+            approach = (spot.pose.rotation @ local.inverse().rotation)[:, 2]
+            if approach @ spot.entry > -LEANING:
+                continue
+            low = RELEASES[0] * UP
+            if free(spot, low) and all(free(spot, low + part * spot.before) for part in (0.35, 0.7, 1.0)):
+                yield spot, RELEASES[0]
+        elif free(spot, RELEASES[-1] * UP):  # what cannot be let go from above cannot be lowered either
+            yield spot, next((height for height in RELEASES[:-1] if free(spot, height * UP)), RELEASES[-1])

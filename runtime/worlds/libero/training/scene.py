@@ -1,0 +1,67 @@
+"""What is asked of a suite whose tasks share one scene: the facts that any of its tasks requires.
+
+A fact is named by its atom, such as ``on(akita_black_bowl_1, plate_1)``: a negated precondition asks for the same atom.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+from onto_compiler.knowledge import Knowledge
+from onto_compiler.required import Fact
+from runtime.worlds.libero.loop.episodes import required_of
+from runtime.worlds.libero.simulator.assets import TaskRef, tasks
+
+__all__ = ["SUITE", "SceneFacts", "scene_facts"]
+
+SUITE = "libero_goal"
+
+
+@dataclass(frozen=True, slots=True)
+class SceneFacts:
+    """``facts``: the atoms, sorted by name; ``goals``: of each task by its index, the places of its goal's facts.
+
+    ``needed`` are, in the same way, those that a task asks to hold, whether as its goal or before it. The other facts
+    are asked not to hold.
+    """
+
+    facts: tuple[Fact, ...]
+    goals: Mapping[int, tuple[int, ...]]
+    needed: Mapping[int, tuple[int, ...]]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The atoms as text."""
+        return tuple(map(str, self.facts))
+
+    @property
+    def positive(self) -> tuple[int, ...]:
+        """The places of what some task asks to hold."""
+        return tuple(sorted({place for places in self.needed.values() for place in places}))
+
+
+def scene_facts(knowledge: Knowledge, refs: tuple[TaskRef, ...] | None = None) -> SceneFacts:
+    """The facts of the tasks ``refs``, all of :data:`SUITE` where none are named.
+
+    Raises:
+        OntoError: ``SIM010`` ff. without LIBERO, ``BDDL`` problems of a task file.
+    """
+    chosen = tasks(SUITE) if refs is None else refs
+    required = {ref.index: required_of(ref, knowledge, ordered=True) for ref in chosen}
+    whole = {index: (*abox.facts, *(each.fact for each in abox.preconditions)) for index, abox in required.items()}
+    every = {str(_atom(fact)): _atom(fact) for facts in whole.values() for fact in facts}
+    names = sorted(every)
+
+    def places(facts: Iterable[Fact]) -> tuple[int, ...]:
+        return tuple(names.index(str(_atom(fact))) for fact in facts)
+
+    return SceneFacts(
+        tuple(every[name] for name in names),
+        {index: places(abox.facts) for index, abox in required.items()},
+        {index: places(fact for fact in facts if fact.polarity) for index, facts in whole.items()},
+    )
+
+
+def _atom(fact: Fact) -> Fact:
+    return replace(fact, polarity=True, span=None)

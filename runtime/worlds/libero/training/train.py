@@ -1,0 +1,186 @@
+"""The training of LIBERO-Goal's world model, stage by stage; each leaves one checkpoint, with its card, in a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from grounding.world_model import dynamics as dynamics_module
+from grounding.world_model.checkpoint import Card, save
+from grounding.world_model.dynamics import Dynamics
+from grounding.world_model.encoder import encoder
+from grounding.world_model.model import FILES, load_dynamics
+from grounding.world_model.projection import Projected, load_projected, save_projection
+from grounding.world_model.projection import fit as fit_projection
+from grounding.world_model.scene import SCENE_EVENTS, SCENE_FACTS, SceneEventHead, SceneFactHead
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.problems import OntoError
+from runtime.training.fit import Schedule
+from runtime.training.stages import Fitter, Place, Say, head_parameters
+from runtime.worlds.libero.training.course import Course
+from runtime.worlds.libero.training.film import MACRO, PIXELS
+from runtime.worlds.libero.training.hand import PLACES, SIZE
+from runtime.worlds.libero.training.heads import Sampler, calibrate, event_loss, fact_loss, sensed_still
+from runtime.worlds.libero.training.library import Filmed, Shoot, filmed
+from runtime.worlds.libero.training.measure import event_metrics, fact_metrics, imagining_metrics
+from runtime.worlds.libero.training.scene import SceneFacts, scene_facts
+from runtime.worlds.libero.training.windows import Windows, pictures_of, windows
+
+__all__ = ["FilmPlace", "load_windows", "train"]
+
+_FITTED = 4000
+"""Pictures, at most, that the projection is fitted to."""
+_ACTIONS = 7
+_SEES = "pixels, proprioception"
+_LABELS = f"{_SEES}; labels of privileged-state"
+
+
+@dataclass(frozen=True)
+class FilmPlace(Place):
+    """A place with films and demonstrations in ``data``, which seeds share.
+
+    ``demos`` is as of :class:`~runtime.worlds.libero.training.library.Shoot`; ``jobs`` processes film.
+    """
+
+    data: Path
+    demos: Path | None = None
+    jobs: int = 1
+
+
+def train(stage: str, course: Course, place: FilmPlace, command: str, commit: str, say: Say) -> Mapping[str, float]:
+    """Train one of :data:`runtime.training.STAGES`, those before it lying in ``place``; returns its card's metrics.
+
+    Raises:
+        OntoError: as :func:`runtime.worlds.pointmaze.training.train` and
+        :func:`runtime.worlds.libero.training.library.filmed`.
+    """
+    torch.manual_seed(course.seed)
+    card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
+    makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
+    metrics = makers[stage](course, place, card, say)
+    Fitter(place, card, say).forget(stage)
+    return metrics
+
+
+def load_windows(course: Course, place: FilmPlace, split: str, seen: Projected, say: Say) -> Windows:
+    """The windows of ``train`` or ``held``; films and features that are missing are made.
+
+    Raises:
+        OntoError: as :func:`train`; ``WM016`` where the split has no demonstration.
+    """
+    films = _of_split(course, place, split, say)
+    kept = place.unfinished / f"features.{split}.npy"
+    return windows(films, _asked(), seen, kept, say, place.device)
+
+
+def _projection(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
+    base = encoder(course.encoder, place.device)
+    base.encode(np.zeros((0, PIXELS, PIXELS, 3), dtype=np.uint8))  # films take hours: refused before, if at all
+    films = _of_split(course, place, "train", say)
+    rows, draw = pictures_of(films)
+    some = rows[:: -(-len(rows) // _FITTED)]
+    raw = np.concatenate([base.encode(draw(some[start : start + 256])) for start in range(0, len(some), 256)])
+    projection = fit_projection(raw, min(course.components, raw.shape[1]))
+    metrics = {"variance_kept": projection.share, "pictures": float(len(some)), "films": float(len(films))}
+    save_projection(
+        place.folder / FILES["projection"],
+        Projected(base, projection),
+        replace(card, sees="pixels", metrics=metrics),
+    )
+    return metrics
+
+
+def _dynamics(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
+    seen = load_projected(place.folder / FILES["projection"], place.device)
+    frames = load_windows(course, place, "train", seen, say).frames
+    states = frames.states.reshape(-1, SIZE).astype(np.float64)
+    motion = {
+        "centre": states.mean(axis=0).round(4).tolist(),
+        "scale": np.maximum(states.std(axis=0), 1e-3).round(4).tolist(),
+        "bound": [1e6] * SIZE,
+        "actions": _ACTIONS,
+        "places": PLACES,
+        "members": course.members,
+    }
+    parameters: dict[str, Any] = {
+        "motion": motion,
+        "features": seen.shape[0],
+        "feature_scale": float(frames.features.std()),
+        "macro": MACRO,
+    }
+    network = Dynamics(**parameters).to(place.device)
+    schedules = {
+        "motion": Schedule(course.motion),
+        "appearance": Schedule(course.appearance, 1e-3, 1e-2),
+        "estimate": Schedule(course.estimate),
+    }
+    card = replace(card, encoder=seen.identity)
+    Fitter(place, card, say).dynamics(network, frames, sensed_still(SIZE).to(place.device), schedules)
+    metrics = imagining_metrics(network, load_windows(course, place, "held", seen, say))
+    about = replace(card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, sees=_SEES, metrics=metrics)
+    save(place.folder / FILES["dynamics"], network.state_dict(), about)
+    return metrics
+
+
+def _events(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
+    sampler, parameters, card, seen = _for_heads(course, place, card, say)
+    asked = _asked()
+    parameters = {"facts": len(asked.names), **parameters}
+    head = SceneEventHead(**parameters).to(place.device)
+    loss = event_loss(head, sampler, asked.goals)
+    Fitter(place, card, say).fit("events", head, loss, Schedule(course.events, 1e-3, 1e-2))
+    metrics: dict[str, float] = event_metrics(
+        sampler.dynamics, head, asked, load_windows(course, place, "held", seen, say)
+    )
+    save(
+        place.folder / FILES["events"],
+        head.state_dict(),
+        replace(card, architecture=SCENE_EVENTS, parameters=parameters, facts=asked.names, metrics=metrics),
+    )
+    return metrics
+
+
+def _facts(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
+    sampler, parameters, card, seen = _for_heads(course, place, card, say)
+    names = list(_asked().names)
+    units = np.maximum(sampler.data.margin.reshape(-1, len(names)).std(axis=0), 1e-3).round(4).tolist()
+    parameters = {"facts": names, "units": units, **parameters}
+    head = SceneFactHead(**parameters).to(place.device)
+    Fitter(place, card, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.facts, 1e-3, 1e-2))
+    held = load_windows(course, place, "held", seen, say)
+    calibrate(head, Sampler(sampler.dynamics, held).ends(np.arange(len(held))))
+    metrics = fact_metrics(sampler.dynamics, head, _asked().facts, held)
+    about = replace(card, architecture=SCENE_FACTS, parameters=parameters, facts=tuple(names), metrics=metrics)
+    save(place.folder / FILES["facts"], head.state_dict(), about)
+    return metrics
+
+
+def _for_heads(
+    course: Course, place: FilmPlace, card: Card, say: Say
+) -> tuple[Sampler, dict[str, Any], Card, Projected]:
+    """What draws a head's batches, what builds a head, a card that names what it was trained on, and the encoder."""
+    seen, network, found = load_dynamics(place.folder, place.device)
+    data = load_windows(course, place, "train", seen, say)
+    parameters = head_parameters(network, found.card.parameters["motion"])
+    about = replace(card, data={**card.data, "dynamics": found.identity}, encoder=seen.identity, sees=_LABELS)
+    return Sampler(network, data), parameters, about, seen
+
+
+def _asked() -> SceneFacts:
+    return scene_facts(load_knowledge())
+
+
+def _of_split(course: Course, place: FilmPlace, split: str, say: Say) -> tuple[Filmed, ...]:
+    shoot = Shoot(place.data, course.demos, course.demo_seed, course.indices, demos=place.demos)
+    films = tuple(film for film in filmed(shoot, place.jobs, say) if film.split == split)
+    if not films:
+        message = f"no demonstration starts from an initial state of the {split} split"
+        raise OntoError.of(
+            "WM016", message, "take 40 demonstrations a task, as many as there are initial states", str(place.data)
+        )
+    return films

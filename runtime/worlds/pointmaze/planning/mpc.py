@@ -1,0 +1,130 @@
+"""Model-predictive control as DINO-WM evaluates it in the maze: plan, execute the whole plan, look, and plan again.
+
+A trial ends after the first plan whose end is a success, or after ``plans`` of them. The true state is what verifies;
+a planner reads only what it is given.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from grounding.observation import Observation
+from runtime.planning.guided import Searched
+from runtime.worlds.pointmaze.rollout import Rollout
+from runtime.worlds.pointmaze.trials import Trial
+from runtime.worlds.pointmaze.verdict import Verdict, judge
+
+__all__ = ["Foreseen", "Made", "Planner", "Played", "Step", "play"]
+
+HORIZON = 5
+"""Macro steps in a plan, DINO-WM's."""
+PLANS = 4
+"""Plans in a trial: DINO-WM sets no bound."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Foreseen:
+    """What a world model imagines of a plan.
+
+    ``paths`` (M, T + 1, 4) of its M members, step by step; ``margin`` and ``score`` (H, F) of the required facts after
+    each macro step, NaN where there is no evidence of one.
+    """
+
+    paths: NDArray[np.float64]
+    margin: NDArray[np.float64]
+    score: NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Made:
+    """A plan: ``actions`` (T, 2), what was predicted of its end (None where nothing was), and how it was come by."""
+
+    actions: NDArray[np.float64]
+    evaluations: int
+    predicted: Observation | None = None
+    searched: Searched | None = None
+    foreseen: Foreseen | None = None
+
+
+class Planner(Protocol):
+    """Makes the plans of one episode."""
+
+    def begin(self, state: NDArray[np.float64], goal: NDArray[np.float64]) -> None:
+        """An episode begins; what of ``state`` and ``goal`` (4,) a planner may use is what its row says it sees."""
+
+    def plan(self, left: int, random: torch.Generator) -> Made:
+        """The next plan; ``left`` is how many plans of :data:`HORIZON` macro steps there is time for."""
+        ...
+
+    def moved(self, states: NDArray[np.float64], actions: NDArray[np.float64]) -> None:
+        """The plan was executed: ``actions`` (T, 2) led through ``states`` (T + 1, 4)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Step:
+    """A plan and what came of it: true ``states`` (T + 1, 4) and the verdict on the last."""
+
+    made: Made
+    states: NDArray[np.float64]
+    verdict: Verdict
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Played:
+    """A trial; ``time`` is how many plans of :data:`HORIZON` its plans took, of which a longer one takes more."""
+
+    trial: Trial
+    steps: tuple[Step, ...]
+    time: int
+
+    @property
+    def success(self) -> bool:
+        """Whether the last plan ended at the target."""
+        return bool(self.steps[-1].verdict.success)
+
+    @property
+    def figures(self) -> dict[str, Any]:
+        """How it ended and what it took, as plain values."""
+        last = self.steps[-1].verdict
+        return {
+            "success": self.success,
+            "plans": len(self.steps),
+            "time": self.time,
+            "distance": float(last.distance),
+            "position": float(last.position),
+            "velocity": float(last.velocity),
+            "evaluations": sum(step.made.evaluations for step in self.steps),
+        }
+
+    @property
+    def seconds(self) -> float:
+        """Spent on planning."""
+        return round(sum(step.seconds for step in self.steps), 3)
+
+
+def play(
+    trial: Trial, planner: Planner, rollout: Rollout, random: torch.Generator, macro: int, plans: int = PLANS
+) -> Played:
+    """Play ``trial``; a plan of two horizons takes the time of two plans."""
+    state, steps, left = trial.start, list[Step](), plans
+    planner.begin(state, trial.goal)
+    while left > 0:
+        begun = time.perf_counter()
+        made = planner.plan(left, random)
+        seconds = time.perf_counter() - begun
+        states = rollout.states(state, made.actions[None])[0]
+        verdict = judge(states[-1], trial.goal)
+        steps.append(Step(made, states, verdict, seconds))
+        left -= max(1, round(len(made.actions) / (macro * HORIZON)))
+        if bool(verdict.success):
+            break
+        planner.moved(states, made.actions)
+        state = states[-1]
+    return Played(trial, tuple(steps), plans - left)

@@ -1,0 +1,232 @@
+"""The training of PointMaze's world model, stage by stage; each leaves one checkpoint, with its card, in a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+import torch
+
+from grounding.world_model import dynamics as dynamics_module
+from grounding.world_model import events as events_module
+from grounding.world_model import facts as facts_module
+from grounding.world_model.checkpoint import Card, save
+from grounding.world_model.dynamics import Dynamics
+from grounding.world_model.encoder import DEFAULT, encoder
+from grounding.world_model.events import EventHead
+from grounding.world_model.facts import FactHead
+from grounding.world_model.model import FILES, load_dynamics
+from grounding.world_model.projection import Projected, load_projected, save_projection
+from grounding.world_model.projection import fit as fit_projection
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.schema import local_name
+from runtime.training.fit import Schedule
+from runtime.training.frames import HORIZON, Frames, encoded
+from runtime.training.heads import Ends, Labels, Sampler, event_loss, fact_loss
+from runtime.training.measures import auroc, calibration_error
+from runtime.training.stages import Fitter, Place, Say, head_parameters
+from runtime.worlds.pointmaze.geodesic import Geodesic
+from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
+from runtime.worlds.pointmaze.maze import MACRO_STEPS, MAX_SPEED, STATE_DIM, Maze, maze_named
+from runtime.worlds.pointmaze.picture import draw
+from runtime.worlds.pointmaze.planning.sensing import POSITION
+from runtime.worlds.pointmaze.trajectories import Split, Trajectories, collect
+
+__all__ = ["Course", "train"]
+
+_TEST = 200
+"""Trajectories of the test split, which the figures on a card are measured on."""
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """What decides a training, every number of it."""
+
+    maze: str = "u_maze"
+    encoder: str = DEFAULT
+    seed: int = 0
+    trajectories: int = 2000
+    steps: int = 100
+    components: int = 128
+    members: int = 3
+    motion: int = 12000
+    appearance: int = 2000
+    estimate: int = 3000
+    heads: int = 3000
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """What a card says of it."""
+        return asdict(self)
+
+
+def train(stage: str, course: Course, place: Place, command: str, commit: str, say: Say) -> Mapping[str, float]:
+    """Train one of :data:`runtime.training.STAGES`, those before it lying in ``place``; returns its card's metrics.
+
+    An interrupted stage goes on where it stopped.
+
+    Raises:
+        OntoError: ``WM001`` ff. where an earlier stage's checkpoint is missing or damaged, ``WM006`` where the folder
+            cannot be written.
+    """
+    torch.manual_seed(course.seed)
+    card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
+    makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
+    metrics = makers[stage](course, place, card, say)
+    Fitter(place, card, say).forget(stage)
+    return metrics
+
+
+def _projection(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    maze, base = maze_named(course.maze), encoder(course.encoder, place.device)
+    found = _trajectories(course, "train")
+    raw = _pictures(maze, found, base, place, say)
+    projection = fit_projection(np.asarray(raw[:: max(len(raw) // 10_000, 1)]), min(course.components, raw.shape[1]))
+    metrics = {"variance_kept": projection.share}
+    about = replace(card, sees="pixels", metrics=metrics)
+    save_projection(place.folder / FILES["projection"], Projected(base, projection), about)
+    return metrics
+
+
+def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    seen = load_projected(place.folder / FILES["projection"], place.device)
+    frames = _frames(course, "train", seen, place, say)
+    places = frames.states[..., :2].reshape(-1, 2).astype(np.float64)
+    low, high = places.min(axis=0), places.max(axis=0)
+    middle, half = ((low + high) / 2).round(2).tolist(), round(float((high - low).max() / 2), 2)
+    motion = {
+        "centre": [*middle, 0.0, 0.0],
+        "scale": [half, half, MAX_SPEED, MAX_SPEED],
+        "bound": [1e6, 1e6, MAX_SPEED, MAX_SPEED],
+        "actions": frames.actions.shape[-1],
+        "members": course.members,
+    }
+    parameters: dict[str, Any] = {
+        "motion": motion,
+        "features": seen.shape[0],
+        "feature_scale": float(np.asarray(frames.features).std()),
+        "macro": MACRO_STEPS,
+    }
+    network = Dynamics(**parameters).to(place.device)
+    schedules = {
+        "motion": Schedule(course.motion),
+        "appearance": Schedule(course.appearance, rate=1e-3),
+        "estimate": Schedule(course.estimate),
+    }
+    card = replace(card, encoder=seen.identity)
+    Fitter(place, card, say).dynamics(network, frames, torch.tensor(POSITION, device=place.device), schedules)
+    metrics = _imagining(network, _frames(course, "test", seen, place, say))
+    about = replace(
+        card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, sees="pixels, proprioception",
+        metrics=metrics,
+    )  # fmt: skip
+    save(place.folder / FILES["dynamics"], network.state_dict(), about)
+    return metrics
+
+
+def _events(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    sampler, parameters, card = _for_heads(course, place, "train", card, say)
+    head = EventHead(**parameters).to(place.device)
+    Fitter(place, card, say).fit("events", head, event_loss(head, sampler), Schedule(course.heads))
+    ends = _tested(course, place, say)
+    found = head(*ends.read)
+    success = (ends.margins[:, sampler.labels.success] > 0).cpu().numpy()
+    clear = (ends.margins[:, sampler.labels.valid] > 0).cpu().numpy()
+    there = torch.isfinite(ends.remaining)
+    metrics = {
+        "remaining_mae_m": float((found.remaining - ends.remaining)[there].abs().mean()),
+        "success_auroc": auroc(found.success.cpu().numpy(), success),
+        "feasibility_auroc": auroc(found.feasibility.cpu().numpy(), clear),
+        "uncertainty_mae": float((found.uncertainty - ends.error).abs().mean()),
+    }
+    about = replace(card, architecture=events_module.ARCHITECTURE, parameters=parameters, metrics=metrics)
+    save(place.folder / FILES["events"], head.state_dict(), about)
+    return metrics
+
+
+def _facts(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+    sampler, parameters, card = _for_heads(course, place, "train", card, say)
+    names = [local_name(fact.predicate) for fact in required_facts(load_knowledge()).facts]
+    parameters = {"facts": names, **parameters}
+    head = FactHead(**parameters).to(place.device)
+    Fitter(place, card, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.heads))
+    ends = _tested(course, place, say)
+    margin, logit = head(*ends.read)
+    truth, score = (ends.margins > 0).cpu().numpy(), logit.sigmoid().cpu().numpy()
+    metrics: dict[str, float] = {}
+    for column, name in enumerate(names):
+        metrics[f"{name}.margin_mae"] = float((margin - ends.margins)[:, column].abs().mean())
+        metrics[f"{name}.auroc"] = auroc(score[:, column], truth[:, column])
+        metrics[f"{name}.ece"] = calibration_error(score[:, column], truth[:, column])
+    about = replace(
+        card, architecture=facts_module.ARCHITECTURE, parameters=parameters, facts=tuple(names), metrics=metrics
+    )
+    save(place.folder / FILES["facts"], head.state_dict(), about)
+    return metrics
+
+
+def _for_heads(
+    course: Course, place: Place, split: Split, card: Card, say: Say
+) -> tuple[Sampler, dict[str, Any], Card]:
+    """What draws a head's batches, what builds a head, and a card that names what it was trained on."""
+    seen, network, found = load_dynamics(place.folder, place.device)
+    knowledge = load_knowledge()
+    facts = MazeFacts(maze_named(course.maze), required_facts(knowledge), knowledge)
+    names = [local_name(fact.predicate) for fact in facts.required.facts]
+    labels = Labels(
+        lambda states, goals: facts.label(states, goals).margin,
+        Geodesic(facts.maze).distance,
+        names.index("at_target"),
+        names.index("free_of"),
+    )
+    frames = _frames(course, split, seen, place, say)
+    parameters = head_parameters(network, found.card.parameters["motion"])
+    about = replace(
+        card, data={**card.data, "dynamics": found.identity}, encoder=seen.identity,
+        sees="pixels, proprioception; labels of privileged-state",
+    )  # fmt: skip
+    return Sampler(network, frames, labels, torch.tensor(POSITION, device=place.device)), parameters, about
+
+
+def _tested(course: Course, place: Place, say: Say) -> Ends:
+    """Ends of the test split, all sensed."""
+    sampler, _, _ = _for_heads(course, place, "test", Card(""), say)
+    ends: Ends = sampler.ends(np.random.default_rng(course.seed), 2000, blind=False)
+    return ends
+
+
+def _imagining(network: Dynamics, frames: Frames) -> dict[str, float]:
+    """The errors of five macro steps from every fifth mark of ``frames``, each member counted."""
+    marks = np.arange(0, frames.features.shape[1] - HORIZON, HORIZON)
+    count = len(frames.states)
+    piece = frames.piece(np.repeat(np.arange(count), len(marks)), np.tile(marks, count))
+    found = network.imagine(piece.features[:, 0], piece.states[:, 0], piece.actions)
+    true, looks = piece.states[:, -1], piece.features[:, -1]
+    gap = found.proprio[:, :, -1] - true
+    place, speed = gap[..., :2].norm(dim=-1), gap[..., 2:].norm(dim=-1)
+    look = ((found.features[:, :, -1] - looks) / network.feature_scale).square().mean()
+    return {
+        "position_median_m": float(place.median()), "position_mean_m": float(place.mean()),
+        "velocity_median_m_s": float(speed.median()), "velocity_mean_m_s": float(speed.mean()),
+        "feature_error": float(look),
+    }  # fmt: skip
+
+
+def _trajectories(course: Course, split: Split) -> Trajectories:
+    count = course.trajectories if split == "train" else _TEST
+    return collect(maze_named(course.maze), count, course.steps, course.seed, split)
+
+
+def _pictures(maze: Maze, found: Trajectories, base: Any, place: Place, say: Say) -> np.ndarray:  # noqa: ANN401
+    states = found.states[:, ::MACRO_STEPS].reshape(-1, STATE_DIM)
+    kept = place.unfinished / f"features.{found.source.split}.npy"
+    return encoded(states, lambda rows: draw(maze, rows, base.size), base, kept, found.source, say)
+
+
+def _frames(course: Course, split: Split, seen: Projected, place: Place, say: Say) -> Frames:
+    found = _trajectories(course, split)
+    raw = _pictures(maze_named(course.maze), found, seen.encoder, place, say)
+    features = seen.projection(np.asarray(raw)).reshape(len(found.states), -1, *seen.shape)
+    return Frames(found.states.astype(np.float32), found.actions.astype(np.float32), features, place.device)

@@ -1,0 +1,220 @@
+"""Every branch of Algorithm 1, on an environment whose answers are written down beforehand."""
+
+import numpy as np
+import pytest
+
+from grounding.observation import Evidence, stack
+from onto_compiler.knowledge import load_knowledge
+from onto_compiler.rdf import CORE, MAN
+from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
+from runtime.loop.correction import CorrectionLoop, RunFault
+from runtime.loop.records import Application, Proposal, Verification
+
+TRUE, FALSE = Evidence(True, 0.01, "xy"), Evidence(False, -0.2, "xy")
+BOWL, PLATE = Entity("bowl_1", MAN + "Object"), Entity("plate_1", MAN + "Object")
+ON = Fact(MAN + "on", (BOWL, PLATE), NativeAtom("On", ("bowl_1", "plate_1")), "on_object")
+OPEN = Fact(
+    MAN + "joint_state",
+    (Entity("drawer", MAN + "Drawer"), Entity("wooden_cabinet_open", "urn:threshold")),
+    NativeAtom("Open", ("drawer",)),
+    "joint_threshold",
+)
+
+
+class Scripted:
+    """An environment that plays back one evidence per fact and one verdict per applied proposal."""
+
+    scene = None
+    qpos = np.zeros(3)
+    qvel = np.zeros(2)
+
+    def __init__(self, states, verdicts, settles=True):
+        self.states, self.verdicts, self.settles, self.now = states, verdicts, settles, 0
+        self.applied = []
+
+    def observe(self):
+        return stack("sim", self.now, self.states[self.now])
+
+    def observe_at(self, qpos):
+        return self.observe()
+
+    def apply(self, proposal):
+        self.applied.append(proposal)
+        if isinstance(self.verdicts[self.now + 1], Exception):
+            raise self.verdicts[self.now + 1]
+        self.now += 1
+        return Application(proposal, "state", 0.1)
+
+    def verify(self):
+        return Verification("check_success()", self.verdicts[self.now])
+
+    def settle(self, verification):
+        return Verification(verification.query, verification.outcome, self.settles, 20)
+
+
+class Offers:
+    """A proposer that has ``count`` candidates."""
+
+    def __init__(self, name, count=99):
+        self.name, self.count, self.asked = name, count, []
+
+    def propose(self, request):
+        self.asked.append((request.diagnosis.index, request.candidate))
+        if request.candidate >= self.count:
+            return None
+        return Proposal(self.name, self.name, request.candidate, np.zeros(3), ())
+
+
+def run(facts, environment, budget=4, predicted=None, alternatives=(), **counts):
+    names = ("source_joint_pose", "object_relation_predicate", "rack_contact_site", "source_joint_residual")
+    proposers = {name: Offers(name, counts.get(name, 99)) for name in names}
+    loop = CorrectionLoop(load_knowledge(), proposers, budget)
+    required = RequiredABox("task", "do it", "problem", tuple(facts), alternatives=alternatives)
+    seen = []
+    rng = np.random.default_rng(0)
+    result = loop.run(required, environment, rng, predicted=predicted, report=seen.append)
+    assert tuple(seen) == result.attempts
+    return result
+
+
+def routes(result):
+    return [(a.selected.route.removeprefix(MAN), a.selected.decision.removeprefix(CORE)) for a in result.attempts]
+
+
+def test_a_satisfied_prediction_is_retained_and_nothing_is_executed():
+    environment = Scripted([[FALSE]], [False])
+    result = run([ON], environment, predicted=stack("pred", 25, [TRUE]))
+    assert (result.outcome, result.attempts, result.verification) == ("retained", (), None)
+    assert environment.applied == []
+
+
+def test_a_prediction_needs_no_environment():
+    assert run([ON], None, predicted=stack("pred", 25, [TRUE])).outcome == "retained"
+    assert run([ON], None, predicted=stack("pred", 25, [FALSE])).outcome == "unresolved"
+
+
+def test_an_unsatisfied_prediction_is_corrected_and_regrounded_in_the_simulator():
+    environment = Scripted([[FALSE], [FALSE], [TRUE]], [False, False, True])
+    result = run([ON], environment, predicted=stack("pred", 25, [FALSE]))
+    assert result.outcome == "accepted"
+    assert [a.observation.source for a in result.attempts] == ["pred", "sim"]
+    assert [a.diagnoses[0].source for a in result.attempts] == ["pred", "sim"]
+
+
+def test_one_alternative_is_enough():
+    environment = Scripted([[FALSE, FALSE], [FALSE, TRUE]], [False, True])
+    prediction = stack("pred", 0, [FALSE, TRUE])
+    assert run([ON, OPEN], None, predicted=prediction).outcome == "unresolved"
+    assert run([ON, OPEN], None, predicted=prediction, alternatives=((0,), (1,))).outcome == "retained"
+    result = run([ON, OPEN], environment, alternatives=((0, 1), (1,)))
+    assert result.outcome == "accepted"
+    assert [d.index for d in result.attempts[0].diagnoses] == [1]
+
+
+def test_a_simulated_state_that_holds_is_verified():
+    result = run([ON], Scripted([[TRUE]], [True]))
+    assert (result.outcome, result.attempts) == ("verified", ())
+    assert result.verification == Verification("check_success()", True, True, 20)
+
+
+def test_the_verifier_is_asked_before_a_simulated_state_is_corrected():
+    """Step 3 queries V for every simulated state, even where grounding finds something unmet."""
+    result = run([ON], Scripted([[FALSE]], [True]))
+    assert (result.outcome, result.attempts) == ("verified", ())
+
+
+def test_a_grounding_verifier_disagreement_is_unresolved_and_named():
+    result = run([ON], Scripted([[TRUE]], [False]))
+    assert (result.outcome, result.attempts) == ("grounding_verifier_disagreement", ())
+    assert result.verification.outcome is False
+
+
+def test_a_disagreement_after_an_attempt_is_named_too():
+    result = run([ON], Scripted([[FALSE], [TRUE]], [False, False]))
+    assert result.outcome == "grounding_verifier_disagreement"
+    assert len(result.attempts) == 1
+
+
+def test_an_accepted_state_ends_the_loop_and_is_asked_again_after_settling():
+    result = run([ON], Scripted([[FALSE], [TRUE]], [False, True], settles=False))
+    assert result.outcome == "accepted"
+    assert result.verification == Verification("check_success()", True, False, 20)
+    assert result.final.truth.tolist() == [True]
+
+
+def test_a_rejected_attempt_is_rerouted_then_retried():
+    result = run([ON], Scripted([[FALSE]] * 4, [False] * 4), budget=3)
+    assert result.outcome == "unresolved"
+    assert routes(result) == [
+        ("object_relation_predicate", "Dispatch"),
+        ("source_joint_residual", "Reroute"),
+        ("source_joint_residual", "Retry"),
+    ]
+    assert [a.application.proposal.candidate for a in result.attempts] == [0, 0, 1]
+
+
+def test_a_spent_budget_is_unresolved_and_keeps_the_last_verdict():
+    result = run([ON], Scripted([[FALSE]] * 3, [False] * 3), budget=2)
+    assert (result.outcome, len(result.attempts)) == ("unresolved", 2)
+    assert result.verification.outcome is False
+
+
+def test_a_budget_of_nothing_diagnoses_and_stops():
+    result = run([ON], Scripted([[FALSE]], [False]), budget=0)
+    assert (result.outcome, result.attempts) == ("unresolved", ())
+
+
+def test_an_exhausted_residual_returns_to_the_first_route():
+    result = run([ON], Scripted([[FALSE]] * 5, [False] * 5), budget=4, source_joint_residual=1)
+    assert routes(result) == [
+        ("object_relation_predicate", "Dispatch"),
+        ("source_joint_residual", "Reroute"),
+        ("object_relation_predicate", "Reroute"),
+        ("object_relation_predicate", "Reroute"),
+    ]
+    assert [a.application.proposal.candidate for a in result.attempts] == [0, 0, 1, 2]
+
+
+def test_no_candidate_on_any_route_is_unresolved():
+    result = run([ON], Scripted([[FALSE]], [False]), object_relation_predicate=0, source_joint_residual=0)
+    assert (result.outcome, result.attempts) == ("unresolved", ())
+
+
+def test_a_fault_is_no_execution_failure():
+    result = run([ON], Scripted([[FALSE]], [False, RunFault("qpos is not finite at 3")]))
+    assert result.outcome == "run_fault"
+    assert result.attempts[0].fault == "qpos is not finite at 3"
+    assert result.attempts[0].verification is None
+    assert result.verification is None
+
+
+def test_joints_are_corrected_before_relations():
+    states = [[FALSE, FALSE], [FALSE, TRUE], [TRUE, TRUE]]
+    result = run([ON, OPEN], Scripted(states, [False, False, True]))
+    assert result.outcome == "accepted"
+    assert routes(result) == [("source_joint_pose", "Dispatch"), ("object_relation_predicate", "Dispatch")]
+    assert [len(a.diagnoses) for a in result.attempts] == [2, 1]
+
+
+def test_a_fact_that_falls_false_again_is_dispatched_afresh_with_its_next_candidate():
+    states = [[FALSE, FALSE], [FALSE, TRUE], [FALSE, FALSE], [TRUE, TRUE]]
+    result = run([ON, OPEN], Scripted(states, [False, False, False, True]))
+    assert routes(result) == [
+        ("source_joint_pose", "Dispatch"),
+        ("object_relation_predicate", "Dispatch"),
+        ("source_joint_pose", "Dispatch"),
+    ]
+    assert [a.application.proposal.candidate for a in result.attempts] == [0, 0, 1]
+
+
+def test_a_route_without_a_proposer_is_passed_over():
+    loop = CorrectionLoop(load_knowledge(), {"source_joint_residual": Offers("source_joint_residual")}, 2)
+    required = RequiredABox("task", "do it", "problem", (ON,))
+    result = loop.run(required, Scripted([[FALSE], [TRUE]], [False, True]), np.random.default_rng(0))
+    assert routes(result) == [("source_joint_residual", "Reroute")]
+    assert result.outcome == "accepted"
+
+
+def test_a_simulator_source_without_an_environment_is_a_programming_error():
+    with pytest.raises(ValueError, match="environment"):
+        run([ON], None)

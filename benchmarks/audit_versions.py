@@ -15,7 +15,7 @@ from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
-from runtime.worlds.libero.audit.fan_out import Plan, run_audit
+from runtime.worlds.libero.audit.fan_out import AuditPlan, run_audit
 from runtime.worlds.libero.audit.interpreter import run_elsewhere
 from runtime.worlds.libero.audit.records import Audit, read_audit
 from runtime.worlds.libero.simulator.assets import tasks
@@ -46,7 +46,7 @@ def run(trial: Trial) -> list[Row]:
 
 
 def _here(suite: str, states: int) -> Audit:
-    return run_audit(tasks(suite), Plan(states, SEED, (), cache_folder()), 1, lambda _: None)
+    return run_audit(tasks(suite), AuditPlan(states, SEED, (), cache_folder()), 1, lambda _: None)
 
 
 def _elsewhere(suite: str, states: int, version: str) -> Audit:

@@ -18,7 +18,7 @@ from pathlib import Path
 import ontology
 from benchmarks.protocol import Protocol, Row, Trial
 from benchmarks.registry import Registered, registry
-from onto_compiler.batch import Verdict, compile_files
+from onto_compiler.batch import FileResult, compile_files
 from onto_compiler.bddl import lift, parse_file
 from onto_compiler.compile_schema import load_schema
 from onto_compiler.rdf import BASE
@@ -58,7 +58,7 @@ def run(trial: Trial) -> list[Row]:
     return [{**_KIND, **row} for row in (*phases, *names)]
 
 
-def _timed(cache: Path) -> tuple[float, dict[Path, Verdict]]:
+def _timed(cache: Path) -> tuple[float, dict[Path, FileResult]]:
     """The whole job as one command does it, reading the registry included: seconds, and the verdict of each file."""
     started = time.perf_counter()
     files = sorted({task.file for task in registry() if task.file is not None})
@@ -66,8 +66,8 @@ def _timed(cache: Path) -> tuple[float, dict[Path, Verdict]]:
     return time.perf_counter() - started, {file: replace(verdict, cached=False) for file, verdict in verdicts.items()}
 
 
-def _named(task: Registered, verdicts: Mapping[Path, Verdict]) -> Row:
-    verdict = verdicts[task.file] if task.file is not None else Verdict()
+def _named(task: Registered, verdicts: Mapping[Path, FileResult]) -> Row:
+    verdict = verdicts[task.file] if task.file is not None else FileResult()
     codes = {
         severity: [problem.code for problem in verdict.problems if problem.severity == severity]
         for severity in ("error", "warning")

@@ -14,7 +14,7 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks.protocol import Protocol, Row, Trial
-from runtime.worlds.libero.demos.collect import Order, collect_task, count_for
+from runtime.worlds.libero.demos.collect import CollectionRequest, collect_task, count_for
 from runtime.worlds.libero.demos.command import SUITES
 from runtime.worlds.libero.demos.read import load
 from runtime.worlds.libero.demos.replay import replay
@@ -46,7 +46,7 @@ def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signatur
 def run(trial: Trial) -> list[Row]:
     """One row for each demonstration; one without a demonstration where a task has none."""
     ref, wanted = find_task(trial["suite"], trial["task"]), trial["wanted"]
-    found = collect_task(Order(ref, wanted, SEED, FOLDER / f"demos.{_sources()[:12]}"), wait=True)
+    found = collect_task(CollectionRequest(ref, wanted, SEED, FOLDER / f"demos.{_sources()[:12]}"), wait=True)
     seen = {"name": ref.name, "mode": "controller", "sees": "privileged-state", "trials": found.trials}
     seen["rejected"] = dict(found.rejected)
     if not found.demos:

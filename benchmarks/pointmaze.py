@@ -27,7 +27,7 @@ from runtime.trace.file import write_trace
 from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
 from runtime.worlds.pointmaze.maze import MACRO_STEPS, maze_named
 from runtime.worlds.pointmaze.planning.models import SEEDS, shipped
-from runtime.worlds.pointmaze.planning.mpc import Planner, Played, Step, play
+from runtime.worlds.pointmaze.planning.mpc import ExecutedStep, Planner, TrialResult, play
 from runtime.worlds.pointmaze.planning.playing import episodes, generator
 from runtime.worlds.pointmaze.planning.rows import MAZE, ROWS, maze_rollout, planner
 from runtime.worlds.pointmaze.planning.trace import SUITE
@@ -112,7 +112,7 @@ def _timed(what: str) -> Row:
     return {**row, "training_min": round(made, 3), "from_nothing_min": round(made + table, 3)}
 
 
-def _predicted(played: Played) -> Iterator[dict[str, Any]]:
+def _predicted(played: TrialResult) -> Iterator[dict[str, Any]]:
     """Of each plan: facts as predicted (None where not observed) and as simulated of its end, and what was tried."""
     facts = _facts()
     for step in played.steps:
@@ -131,7 +131,7 @@ def _predicted(played: Played) -> Iterator[dict[str, Any]]:
         }
 
 
-def _tried(step: Step) -> dict[str, Any]:
+def _tried(step: ExecutedStep) -> dict[str, Any]:
     found = step.made.searched
     if found is None:
         return {}

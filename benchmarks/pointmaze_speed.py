@@ -15,15 +15,15 @@ from statistics import median
 import torch
 
 from grounding.world_model.model import load_world_model
-from grounding.world_model.pred import Goal, PredGrounder
+from grounding.world_model.pred import ObservedGoal, PredGrounder
 from onto_compiler.knowledge import load_knowledge
 from runtime.training import STAGES
-from runtime.training.stages import Place
+from runtime.training.stages import TrainingDir
 from runtime.worlds.pointmaze.grounded import required_facts
 from runtime.worlds.pointmaze.maze import ACTION_DIM, MACRO_STEPS, STATE_DIM
 from runtime.worlds.pointmaze.planning.mpc import play
 from runtime.worlds.pointmaze.planning.rows import maze_rollout, planner
-from runtime.worlds.pointmaze.training import Course, train
+from runtime.worlds.pointmaze.training import MazeTrainingConfig, train
 from runtime.worlds.pointmaze.trials import PUBLISHED, trial
 
 __all__ = ["from_nothing_minutes", "grounding_ms", "table_minutes"]
@@ -45,7 +45,7 @@ def grounding_ms(folder: Path) -> float:
     width = model.encoder.shape[0]
     begin, actions = torch.rand(STATE_DIM, generator=random), _drawn(random)
     features = torch.rand(width, generator=random)
-    goal = Goal(features, begin, torch.ones(STATE_DIM, dtype=torch.bool))
+    goal = ObservedGoal(features, begin, torch.ones(STATE_DIM, dtype=torch.bool))
     with torch.no_grad():
         imagined = model.dynamics.imagine(features, begin, actions)
         taken = []
@@ -70,7 +70,7 @@ def from_nothing_minutes() -> tuple[float, float]:
         folder, begun = Path(scratch), time.perf_counter()
         torch.set_num_threads(cpu_count() or 1)
         for stage in STAGES:
-            train(stage, Course(seed=_SEED), Place(folder), "", "", lambda _text: None)
+            train(stage, MazeTrainingConfig(seed=_SEED), TrainingDir(folder), "", "", lambda _text: None)
         return (time.perf_counter() - begun) / 60, table_minutes(folder)
 
 

@@ -18,12 +18,12 @@ from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.native import NativeTask
 from runtime.worlds.libero.simulator.snapshot import Snapshot
 
-__all__ = ["Goal"]
+__all__ = ["NativeGoal"]
 
 CALLS, PASSES = 20, 3
 
 
-class Goal:
+class NativeGoal:
     """The required facts of a task, grounded in its native environment's own state."""
 
     def __init__(self, ref: TaskRef, native: NativeTask) -> None:

@@ -22,7 +22,7 @@ from runtime.worlds.libero.simulator.simulation import Simulation
 from runtime.worlds.libero.simulator.snapshot import FULL, Snapshot
 
 if TYPE_CHECKING:
-    from benchmarks.simulator_goal import Goal
+    from benchmarks.simulator_goal import NativeGoal
     from runtime.worlds.libero.simulator.native import NativeTask
 
 __all__ = ["digest", "made", "measure_task", "memory_mib", "random_actions", "rolled_out"]
@@ -75,7 +75,7 @@ def memory_mib() -> float:
 
 def measure_task(suite: str, task: int, many: int, rounds: int, resets: int) -> Row:
     """The task's row: see :mod:`benchmarks.simulator`. ``many`` random actions, timed in ``rounds`` turns."""
-    from benchmarks.simulator_goal import Goal  # noqa: PLC0415 - a cold start does not ground
+    from benchmarks.simulator_goal import NativeGoal  # noqa: PLC0415 - a cold start does not ground
     from benchmarks.simulator_grasp import grasp_actions  # noqa: PLC0415 - nor grasp
     from runtime.worlds.libero.simulator.native import NativeTask  # noqa: PLC0415 - LIBERO takes a second to import
 
@@ -84,7 +84,7 @@ def measure_task(suite: str, task: int, many: int, rounds: int, resets: int) -> 
     exact, _ = made(suite, task, exact=True)
     random = random_actions(many)
     with NativeTask.open(ref, SEED) as native:
-        goal = Goal(ref, native)
+        goal = NativeGoal(ref, native)
         actions, held = grasp_actions(exact, states[STATE], goal.movable)
         actions = np.vstack([actions, random])
         native_path, mismatches, visited = _native_path(native, goal, states[STATE], actions)
@@ -117,7 +117,9 @@ def _path(simulation: Simulation, state: Floats, actions: Floats) -> Floats:
     return np.array(path)
 
 
-def _native_path(native: NativeTask, goal: Goal, state: Floats, actions: Floats) -> tuple[Floats, int, list[Snapshot]]:
+def _native_path(
+    native: NativeTask, goal: NativeGoal, state: Floats, actions: Floats
+) -> tuple[Floats, int, list[Snapshot]]:
     """``qpos`` after every action; how often our verdict differs from the native one; and some states on the way."""
     native.reset_to(state)
     path, visited, mismatches = [], [], 0

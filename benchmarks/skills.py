@@ -19,14 +19,14 @@ from numpy.typing import ArrayLike
 
 from benchmarks.intervals import wilson
 from benchmarks.protocol import Protocol, Row, Trial
-from benchmarks.skills_replay import SETTLE, NativeReplay, Verdict
+from benchmarks.skills_replay import SETTLE, NativeReplay, ReplayVerdict
 from onto_compiler.knowledge import load_knowledge
 from runtime.worlds.libero.loop.episodes import required_of
 from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.simulator.assets import find_task, initial_states, tasks
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.simulation import Simulation
-from runtime.worlds.libero.skills.play import Played, Player, Try
+from runtime.worlds.libero.skills.play import PlayedEpisode, Player, SkillAttempt
 
 __all__ = ["FIRST_TRY", "PLAYS", "SKILLS", "SUITES", "before_retry", "succeeded", "untimed"]
 
@@ -59,10 +59,10 @@ class _Clocked(Simulation):
 
     stepping_s = 0.0
 
-    def step(self, action: ArrayLike, glance: Callable[[], object] | None = None) -> None:
+    def step(self, action: ArrayLike, before_last_substep: Callable[[], object] | None = None) -> None:
         """As :meth:`Simulation.step`."""
         started = time.perf_counter()
-        super().step(action, glance)
+        super().step(action, before_last_substep)
         self.stepping_s += time.perf_counter() - started
 
 
@@ -85,7 +85,7 @@ class _Bench:
         self.sim.settle(SETTLE)
         self.sim.stepping_s = 0.0
         playing = time.perf_counter()
-        played: Played = getattr(self.player, play)(self.sim, self.horizon)
+        played: PlayedEpisode = getattr(self.player, play)(self.sim, self.horizon)
         final = self.sim.data.qpos.copy()
         judging = time.perf_counter()
         verdict = self.native.run(start, played.actions, final)
@@ -112,7 +112,7 @@ class _Bench:
         }
         return row
 
-    def _first_try(self, state: int, played: Played, row: Row) -> Row:
+    def _first_try(self, state: int, played: PlayedEpisode, row: Row) -> Row:
         """The episode until its first retry; where there is none, the episode."""
         steps = before_retry(played.tries)
         if steps is None:
@@ -134,7 +134,7 @@ def _bench(suite: str, task: int) -> _Bench:
     return _KEPT[suite, task]
 
 
-def _told(verdict: Verdict) -> Row:
+def _told(verdict: ReplayVerdict) -> Row:
     return {
         "success": verdict.outcome == "success",
         "outcome": verdict.outcome,
@@ -145,7 +145,7 @@ def _told(verdict: Verdict) -> Row:
     }
 
 
-def before_retry(tries: Sequence[Try]) -> int | None:
+def before_retry(tries: Sequence[SkillAttempt]) -> int | None:
     """Control steps until a fact is tried for the second time; None where none is."""
     steps, seen = 0, set()
     for each in tries:

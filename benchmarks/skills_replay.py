@@ -25,7 +25,7 @@ from runtime.wording import short_name, unit_of
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.native import NativeTask
 
-__all__ = ["AFTER", "SETTLE", "NativeReplay", "Verdict"]
+__all__ = ["AFTER", "SETTLE", "NativeReplay", "ReplayVerdict"]
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ _DIGITS = 9  # of a margin
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class ReplayVerdict:
     """What became of an episode.
 
     ``outcome`` is ``success``; ``unmet``, where the goal was false at its end; ``held``, where the gripper had not let
@@ -72,7 +72,7 @@ class NativeReplay:
         """Free the environment."""
         self._task.close()
 
-    def run(self, state: ArrayLike, actions: Array, final: Array) -> Verdict:
+    def run(self, state: ArrayLike, actions: Array, final: Array) -> ReplayVerdict:
         """Play ``actions`` (n, 7) from the flat initial ``state`` after settling; ``final`` (nq,) is where they led."""
         task = self._task
         task.reset_to(state)
@@ -92,7 +92,7 @@ class NativeReplay:
             outcome = "diverged"
         failures = self._typed({"unmet": at_end, "unsettled": after}.get(outcome))
         premise_holds = bool((premise == STATUSES.index(SATISFIED)).all())
-        return Verdict(outcome, ended, ended and stayed, first, failures, premise_holds, initially, same)
+        return ReplayVerdict(outcome, ended, ended and stayed, first, failures, premise_holds, initially, same)
 
     def _typed(self, seen: Observation | None) -> tuple[dict[str, Any], ...]:
         """The diagnosis of each fact that is unmet in ``seen``, as JSON."""

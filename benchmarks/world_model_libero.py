@@ -25,7 +25,7 @@ from onto_compiler.knowledge import load_knowledge
 from runtime.training.measures import auroc, calibration_error
 from runtime.wording import unit_of
 from runtime.worlds.libero.simulator.assets import tasks
-from runtime.worlds.libero.training.library import TEST_SEED, Shoot, filmed
+from runtime.worlds.libero.training.library import TEST_SEED, FilmRequest, filmed
 from runtime.worlds.libero.training.measure import ENOUGH, tell, tell_events
 from runtime.worlds.libero.training.models import shipped
 from runtime.worlds.libero.training.scene import SUITE, SceneFacts, scene_facts
@@ -53,7 +53,7 @@ def run(trial: Trial) -> list[Row]:
     """A row for each film of the task and each fact, and one for its events: what was told of the ends, and what is."""
     torch.set_num_threads(1)
     model, asked = _model(), _asked()
-    shoot = Shoot(FOLDER, trial["count"], TEST_SEED, (trial["task"],), ("test",), exact=True)
+    shoot = FilmRequest(FOLDER, trial["count"], TEST_SEED, (trial["task"],), ("test",), exact=True)
     films = filmed(shoot, 1, lambda _text: None)
     data = windows(films, asked, model.encoder, FOLDER / f"features.{trial['task']}.npy", lambda _text: None)
     return list(_rows(model, asked, data))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from grounding.evaluate import ANY_JOINT, BOX, DISC, EVERY_JOINT, NO_PLAN, NUMBERS, OPEN, REGION, SLOTS, evaluate
 from grounding.memory import contact_places
-from grounding.plans import Box, Disc, Joints, Plan, Region
+from grounding.plans import Box, Disc, Joints, Plan, SiteBox
 from grounding.scenes import Scene
 from onto_compiler.problems import OntoError
 
@@ -53,7 +53,7 @@ class CompiledTruth:
         return np.flatnonzero(self.truth == OPEN)
 
     def _write(self, fact: int, plan: Plan | None) -> None:
-        contact = None if plan is None or isinstance(plan, Region | Joints) else plan.contact
+        contact = None if plan is None or isinstance(plan, SiteBox | Joints) else plan.contact
         if plan is None or (contact is not None and self._contacts == MOST_CONTACTS):
             self._integers[fact] = NO_PLAN, 0, 0, -1
             return
@@ -67,7 +67,7 @@ class CompiledTruth:
         match plan:
             case Box(body, site, low, high):
                 integers, numbers = (BOX, body, site), (*low, *high)
-            case Region(body, site, size, sink):
+            case SiteBox(body, site, size, sink):
                 integers, numbers = (REGION, body, site), (*size, sink)
             case Disc(upper, lower, radius):
                 integers, numbers = (DISC, upper, lower), (radius,)

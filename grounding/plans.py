@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from grounding.predicates.contact import Contact
+    from grounding.predicates.contact import ContactTerm
 
-__all__ = ["Box", "Disc", "Joints", "Plan", "Region"]
+__all__ = ["Box", "Disc", "Joints", "Plan", "SiteBox"]
 
 Bounds = tuple[float, float, float]
 
@@ -25,11 +25,11 @@ class Box:
     site: int
     low: Bounds
     high: Bounds
-    contact: Contact | None = None
+    contact: ContactTerm | None = None
 
 
 @dataclass(frozen=True, slots=True)
-class Region:
+class SiteBox:
     """``-half < origin - site < half`` with ``half = abs(xmat @ size)``, ``sink`` metres deeper below (metres)."""
 
     body: int
@@ -45,7 +45,7 @@ class Disc:
     upper: int
     lower: int
     radius: float
-    contact: Contact
+    contact: ContactTerm
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,4 +58,4 @@ class Joints:
     every: bool
 
 
-Plan = Box | Region | Disc | Joints
+Plan = Box | SiteBox | Disc | Joints

@@ -32,14 +32,14 @@ from onto_compiler.validator.facts import Term
 from onto_compiler.validator.records import problem_of, record_validator
 from onto_compiler.validator.validator import Validator
 
-__all__ = ["Batch", "Verdict", "available_jobs", "compile_files", "task_files"]
+__all__ = ["Batch", "FileResult", "available_jobs", "compile_files", "task_files"]
 
 CHUNK = 64  # files for one worker at a time; with no more, starting a worker costs more than it saves
 _TOP = f"{BASE}run/compile"
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class FileResult:
     """What one file came to: how much it asks for (nothing, where it does not compile), and every problem of it."""
 
     facts: int = 0
@@ -58,7 +58,7 @@ class Verdict:
 class Batch:
     """The verdict of each file, by the path that was given; ``remarks`` are what befell the cache, as sentences."""
 
-    verdicts: Mapping[Path, Verdict]
+    verdicts: Mapping[Path, FileResult]
     remarks: tuple[str, ...] = ()
 
     @property
@@ -112,13 +112,13 @@ def compile_files(
     stamp = _stamp(sources)
     kept = VerdictCache(cache, stamp) if cache is not None and stamp else None
     remarks = [f"the cache `{kept.path}` was damaged and is built anew"] if kept is not None and kept.damaged else []
-    verdicts: dict[Path, Verdict] = {}
+    verdicts: dict[Path, FileResult] = {}
     todo: list[tuple[Path, str, bytes]] = []
     for file in dict.fromkeys(files):
         try:
             data = read_bytes(file)
         except OntoError as error:
-            verdicts[file] = Verdict(problems=error.problems)
+            verdicts[file] = FileResult(problems=error.problems)
             continue
         key = hashlib.sha256(f"{file}\0".encode("utf-8", "surrogateescape") + data).hexdigest()
         found = None if kept is None else kept.get(key)
@@ -148,14 +148,14 @@ def _stamp(sources: Sequence[Path]) -> str:
         return ""
 
 
-def _from_json(kept: Mapping[str, Any]) -> Verdict:
+def _from_json(kept: Mapping[str, Any]) -> FileResult:
     problems = tuple(Problem(**problem) for problem in kept["problems"])
-    return Verdict(kept["facts"], kept["premise"], kept["alternatives"], problems, cached=True)
+    return FileResult(kept["facts"], kept["premise"], kept["alternatives"], problems, cached=True)
 
 
 def _compiled(
     todo: Sequence[tuple[Path, str, bytes]], extra: tuple[str, ...], stamp: str, jobs: int
-) -> Iterator[tuple[tuple[Path, str, bytes], Verdict]]:
+) -> Iterator[tuple[tuple[Path, str, bytes], FileResult]]:
     chunks = [todo[start : start + CHUNK] for start in range(0, len(todo), CHUNK)]
     judge = partial(_judge_all, extra=extra, stamp=stamp)
     with _mapping(min(jobs, len(chunks))) as run:
@@ -164,7 +164,7 @@ def _compiled(
 
 
 @contextmanager
-def _mapping(workers: int) -> Iterator[Callable[..., Iterator[list[Verdict]]]]:
+def _mapping(workers: int) -> Iterator[Callable[..., Iterator[list[FileResult]]]]:
     """``map``, in this process or over ``workers`` others."""
     if workers <= 1:
         yield map
@@ -176,7 +176,7 @@ def _mapping(workers: int) -> Iterator[Callable[..., Iterator[list[Verdict]]]]:
         pool.shutdown(cancel_futures=True)
 
 
-def _judge_all(chunk: Sequence[tuple[Path, str, bytes]], extra: tuple[str, ...], stamp: str) -> list[Verdict]:
+def _judge_all(chunk: Sequence[tuple[Path, str, bytes]], extra: tuple[str, ...], stamp: str) -> list[FileResult]:
     schema, validator = _knowledge(extra, stamp)
     return [_judge(str(file), file.stem, data, schema, validator) for file, _, data in chunk]
 
@@ -187,14 +187,14 @@ def _knowledge(extra: tuple[str, ...], stamp: str) -> tuple[Schema, Validator]: 
     return compile_schema(load_store(extra)), record_validator(extra)
 
 
-def _judge(file: str, task: str, data: bytes, schema: Schema, validator: Validator) -> Verdict:
+def _judge(file: str, task: str, data: bytes, schema: Schema, validator: Validator) -> FileResult:
     try:
         abox, warnings = lift(parse(decode(data, file), file), schema, task)
         invalid = _violations(abox, schema, validator)
     except OntoError as error:
-        return Verdict(problems=error.problems)
+        return FileResult(problems=error.problems)
     problems = tuple(sorted({*warnings, *invalid}))
-    return Verdict(len(abox.facts), len(abox.premise), len(abox.alternatives), problems)
+    return FileResult(len(abox.facts), len(abox.premise), len(abox.alternatives), problems)
 
 
 def _violations(abox: RequiredABox, schema: Schema, validator: Validator) -> Iterator[Problem]:

@@ -10,13 +10,15 @@ from typing import TypeVar
 
 from onto_compiler.problems import OntoError
 
-__all__ = ["spread"]
+__all__ = ["map_over_processes"]
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
-def spread(function: Callable[[Item], Result], items: Sequence[Item], jobs: int) -> Iterator[tuple[Item, Result]]:
+def map_over_processes(
+    function: Callable[[Item], Result], items: Sequence[Item], jobs: int
+) -> Iterator[tuple[Item, Result]]:
     """Each of ``items`` with what the module-level ``function`` gives for it, as they are done.
 
     Raises ``DEM007`` where a process died; what was written until then is kept.

@@ -13,14 +13,14 @@ from grounding.predicates.boxes import Box, box_distance
 from grounding.predicates.terms import Term
 from grounding.scenes import Scene
 
-__all__ = ["Contact"]
+__all__ = ["ContactTerm"]
 
 TINY = sys.float_info.min
 FAR = 100.0  # metres; LIBERO's rooms are smaller
 AGREE = 1e-6  # metres between two accounts of one distance
 
 
-class Contact:
+class ContactTerm:
     """Whether any two contact geoms of entities ``first`` and ``second`` have an entry in ``data.contact``.
 
     The native test (``robosuite/environments/base.py``, ``check_contact``) takes every entry of the list, whatever its

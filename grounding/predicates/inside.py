@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import mujoco
 import numpy as np
 
-from grounding.plans import Region
+from grounding.plans import SiteBox
 from grounding.predicates.arguments import two_names
 from grounding.predicates.terms import Grounding, Term, all_of
 from grounding.scenes import Scene
@@ -46,4 +46,4 @@ def in_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG
         )
 
     x, y, z = size.tolist()
-    return Grounding(terms, all_of, Region(body, site, (x, y, z), SINK))
+    return Grounding(terms, all_of, SiteBox(body, site, (x, y, z), SINK))

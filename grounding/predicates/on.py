@@ -14,7 +14,7 @@ import numpy as np
 
 from grounding.plans import Box, Disc
 from grounding.predicates.arguments import two_names
-from grounding.predicates.contact import Contact
+from grounding.predicates.contact import ContactTerm
 from grounding.predicates.terms import Grounding, Term, all_of
 from grounding.scenes import Scene
 from onto_compiler.required import Fact
@@ -34,7 +34,7 @@ def on_object(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: A
     """
     upper_name, lower_name = two_names(fact)
     upper, lower = scene.root_body(upper_name), scene.root_body(lower_name)
-    contact = Contact(scene, lower_name, upper_name)
+    contact = ContactTerm(scene, lower_name, upper_name)
 
     def terms(data: mujoco.MjData) -> Sequence[Term]:
         above, below = data.xpos[upper], data.xpos[lower]
@@ -53,7 +53,7 @@ def on_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG
     """
     name, region = two_names(fact)
     body, site, carrier = scene.root_body(name), scene.site(region), scene.site_parent(region)
-    contact = Contact(scene, carrier, name) if carrier else None
+    contact = ContactTerm(scene, carrier, name) if carrier else None
     half = scene.model.site_size[site].copy()
     floor, ceiling = float(half[2] - SINK), float(half[2] + HEADROOM)
 

@@ -12,7 +12,7 @@ from grounding.observation import Evidence
 from grounding.plans import Plan
 
 if TYPE_CHECKING:
-    from grounding.predicates.contact import Contact
+    from grounding.predicates.contact import ContactTerm
 
 __all__ = ["Grounding", "Term", "all_of", "any_of"]
 
@@ -43,7 +43,7 @@ class Grounding:
     conditions: Callable[[mujoco.MjData], Sequence[Term]]
     combine: Callable[[Sequence[Term]], Evidence]
     plan: Plan | None = None
-    contact: Contact | None = None
+    contact: ContactTerm | None = None
 
     def __call__(self, data: mujoco.MjData) -> Evidence:
         """Truth and margin in ``data``, which must be forwarded and belong to the scene's model.

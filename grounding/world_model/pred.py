@@ -21,11 +21,11 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.required import Fact
 from onto_compiler.schema import local_name
 
-__all__ = ["Goal", "PredGrounder", "Predicted", "ScenePredGrounder"]
+__all__ = ["ObservedGoal", "PredGrounder", "Predicted", "ScenePredGrounder"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Goal:
+class ObservedGoal:
     """The goal as it is observed: ``features`` (D,) of its picture, ``proprio`` (P,), and what of it is ``sensed``."""
 
     features: torch.Tensor
@@ -78,7 +78,7 @@ class PredGrounder:
             raise OntoError(*(_untrained(fact, file, hint) for fact in missing))
         self._columns = [head.facts.index(local_name(fact.predicate)) for fact in self.facts]
 
-    def ground(self, imagined: Imagined, goal: Goal, *, every: bool = False) -> Predicted:
+    def ground(self, imagined: Imagined, goal: ObservedGoal, *, every: bool = False) -> Predicted:
         """Facts at the end of each of N candidates (N, F), or with ``every`` after each of H macro steps (N, H, F)."""
         features, proprio = imagined.features, imagined.proprio
         if not every:

@@ -11,7 +11,7 @@ from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import Declaration, TaskSpec
 from onto_compiler.bddl.dialects import DIALECTS, dialect_of
 from onto_compiler.bddl.lint_goal import lint_goal
-from onto_compiler.bddl.literals import Goal
+from onto_compiler.bddl.literals import GoalLiterals
 from onto_compiler.problems import Problem, near
 
 __all__ = ["lint"]
@@ -27,7 +27,7 @@ PREAMBLE = re.compile(
 FILE_WORD = re.compile(r"\.bddl\b|\b\w+_\w*\d\w*\b|\b[A-Z]+(?:_[A-Z]+)+\d*\b|_")
 
 
-def lint(spec: TaskSpec, goal: Goal | None = None) -> tuple[Problem, ...]:
+def lint(spec: TaskSpec, goal: GoalLiterals | None = None) -> tuple[Problem, ...]:
     """Warnings on ``spec`` in file order; ``goal`` is what its goal came to, or None where it came to nothing."""
     found = [
         *_domain(spec),

@@ -12,7 +12,7 @@ from typing import TypeAlias
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import Atom, TaskSpec
 from onto_compiler.bddl.dialects import Dialect, dialect_of
-from onto_compiler.bddl.literals import Goal, Literal
+from onto_compiler.bddl.literals import GoalLiterals, Literal
 from onto_compiler.problems import Problem
 
 __all__ = ["lint_goal"]
@@ -21,7 +21,7 @@ Way: TypeAlias = tuple[Literal, ...]
 Key: TypeAlias = tuple[str, tuple[str, ...]]
 
 
-def lint_goal(spec: TaskSpec, goal: Goal) -> tuple[Problem, ...]:
+def lint_goal(spec: TaskSpec, goal: GoalLiterals) -> tuple[Problem, ...]:
     """Warnings on the goal of ``spec``."""
     dialect = dialect_of(spec.domain)
     found = [] if goal.alternatives else list(_repeated(goal.literals))
@@ -108,7 +108,7 @@ def _itself(way: Way, dialect: Dialect) -> Iterator[Problem]:
         yield Problem.at(atom.span, codes.ITSELF, message, "name another place", "warning")
 
 
-def _already(spec: TaskSpec, goal: Goal) -> Iterator[Problem]:
+def _already(spec: TaskSpec, goal: GoalLiterals) -> Iterator[Problem]:
     """A goal that the declared start satisfies: some alternative asks for nothing that ``:init`` does not say."""
     true, false = ({_key(atom) for atom in atoms} for atoms in (spec.init, spec.absent))
     for way in goal.ways:

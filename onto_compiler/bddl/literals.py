@@ -17,7 +17,7 @@ from onto_compiler.bddl.ast import And, Atom, Formula, Not, Or, TaskSpec
 from onto_compiler.bddl.quantifiers import MAX_ALTERNATIVES, too_many, unquantified
 from onto_compiler.problems import Problem
 
-__all__ = ["Goal", "Literal", "goal_of"]
+__all__ = ["GoalLiterals", "Literal", "goal_of"]
 
 MAX_STEPS: Final = 8_000_000
 """The most comparisons of conjunctions that a goal may cost: about a second."""
@@ -25,7 +25,7 @@ Literal = tuple[Atom, bool]
 
 
 @dataclass(frozen=True, slots=True)
-class Goal:
+class GoalLiterals:
     """``literals`` in file order; ``alternatives`` are sets of their indices, of which one must hold whole.
 
     Without ``alternatives`` all ``literals`` must hold.
@@ -42,26 +42,26 @@ class Goal:
         return tuple(tuple(self.literals[i] for i in way) for way in self.alternatives)
 
 
-def goal_of(spec: TaskSpec) -> tuple[Goal, tuple[Problem, ...]]:
+def goal_of(spec: TaskSpec) -> tuple[GoalLiterals, tuple[Problem, ...]]:
     """The literals and alternatives of the goal of ``spec``, and the problems that were found.
 
     Where there are problems, the literals are those that could be read.
     """
     formula, problems = unquantified(spec.goal, spec)
     if problems:
-        return Goal(tuple(_found(formula, True))), problems
+        return GoalLiterals(tuple(_found(formula, True))), problems
     empty = tuple(_empty(formula))
     if empty:
-        return Goal(tuple(_found(formula, True))), empty
+        return GoalLiterals(tuple(_found(formula, True))), empty
     if _without_choice(formula, True):
-        return Goal(tuple(_found(formula, True))), ()
+        return GoalLiterals(tuple(_found(formula, True))), ()
     table = _Table()
     terms = table.terms(formula, True)
     if terms is None:
-        return Goal(tuple(_found(formula, True))), (too_many(spec.goal.span),)
+        return GoalLiterals(tuple(_found(formula, True))), (too_many(spec.goal.span),)
     if not terms:
         message = "no alternative of the goal can hold: each asks for a fact and for its absence"
-        return Goal(tuple(_found(formula, True))), (Problem.at(spec.goal.span, codes.CONTRADICTION, message),)
+        return GoalLiterals(tuple(_found(formula, True))), (Problem.at(spec.goal.span, codes.CONTRADICTION, message),)
     return table.goal(terms), ()
 
 
@@ -179,14 +179,14 @@ class _Table:
                 result.append(term)
         return result if len(result) <= MAX_ALTERNATIVES else None
 
-    def goal(self, terms: Sequence[int]) -> Goal:
+    def goal(self, terms: Sequence[int]) -> GoalLiterals:
         """The terms as indices of literals, each literal once and in the order of the file."""
         used = sorted({bit for term in terms for bit in _bits(term)})
         place = {bit: index for index, bit in enumerate(used)}
         literals = tuple((self.atoms[bit // 2], bit % 2 == 0) for bit in used)
         if len(terms) == 1:
-            return Goal(literals)
-        return Goal(literals, tuple(sorted(tuple(place[bit] for bit in _bits(term)) for term in terms)))
+            return GoalLiterals(literals)
+        return GoalLiterals(literals, tuple(sorted(tuple(place[bit] for bit in _bits(term)) for term in terms)))
 
 
 def _bits(term: int) -> list[int]:

@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterator
 from typing import Any
 
-from onto_compiler.emit.records import DOCUMENTS, GRAPH, RECORDS, TYPE, Field, Record
+from onto_compiler.emit.records import DOCUMENTS, GRAPH, RECORDS, TYPE, Field, RecordShape
 from onto_compiler.emit.tbox import TBox
 from onto_compiler.emit.words import words
 from onto_compiler.rdf import XSD
@@ -43,7 +43,7 @@ def _iris(tbox: TBox, fields: list[Field]) -> Json:
     return {word: iri for kind in kinds for word, iri in words(tbox, kind).items() if word}
 
 
-def _fields(record: Record) -> Iterator[tuple[str, Field]]:
+def _fields(record: RecordShape) -> Iterator[tuple[str, Field]]:
     for part in record.parts:
         yield from RECORDS[part].fields.items()
     for name, field in record.fields.items():

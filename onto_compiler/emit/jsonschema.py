@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from onto_compiler.emit.records import DOCUMENTS, RECORDS, Field, Record
+from onto_compiler.emit.records import DOCUMENTS, RECORDS, Field, RecordShape
 from onto_compiler.emit.tbox import TBox
 from onto_compiler.emit.words import words
 from onto_compiler.rdf import BASE, CORE
@@ -34,7 +34,7 @@ def emit(tbox: TBox) -> str:
     return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 
-def _record(tbox: TBox, record: Record) -> Json:
+def _record(tbox: TBox, record: RecordShape) -> Json:
     fields = dict(_fields(record))
     names = [name for part in (*(RECORDS[part] for part in record.parts), record) for name in part.rules]
     rules = [rule for name in names for rule in _RULES[name](tbox)]
@@ -48,7 +48,7 @@ def _record(tbox: TBox, record: Record) -> Json:
     }
 
 
-def _fields(record: Record) -> Iterator[tuple[str, Field]]:
+def _fields(record: RecordShape) -> Iterator[tuple[str, Field]]:
     for part in record.parts:
         yield from RECORDS[part].fields.items()
     yield from record.fields.items()

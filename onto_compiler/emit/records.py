@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from onto_compiler.rdf import CORE, PROV, RDFS, TRACE
 
-__all__ = ["DOCUMENTS", "GRAPH", "RECORDS", "TYPE", "Field", "Record"]
+__all__ = ["DOCUMENTS", "GRAPH", "RECORDS", "TYPE", "Field", "RecordShape"]
 
 GRAPH = "@graph"  # the term of a field that holds records and says nothing itself
 TYPE = "@type"  # the term of a field that names the class of its record
@@ -34,7 +34,7 @@ class Field:
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class RecordShape:
     """One kind of object; ``parts`` are records whose fields it has too."""
 
     about: str
@@ -54,12 +54,12 @@ _EVIDENCE = {
     "unit": Field("word:unit", CORE + "unit", blank=True),
 }
 
-RECORDS: Mapping[str, Record] = {
-    "Argument": Record(
+RECORDS: Mapping[str, RecordShape] = {
+    "Argument": RecordShape(
         "An argument of a required fact: its name in the scene, and its class or, of a threshold, its own name.",
         {"name": Field("string", RDFS + "label"), "type": Field("word:entity", TYPE)},
     ),
-    "RequiredFact": Record(
+    "RequiredFact": RecordShape(
         "An assertion that a task asks for.",
         {
             "predicate": Field("word:predicate_local", CORE + "predicate"),
@@ -73,7 +73,7 @@ RECORDS: Mapping[str, Record] = {
         },
         rules=("signature",),
     ),
-    "RequiredABox": Record(
+    "RequiredABox": RecordShape(
         "What a task asks for at its end, and declares of its start.",
         {
             "task": Field("string", TRACE + "task"),
@@ -85,7 +85,7 @@ RECORDS: Mapping[str, Record] = {
             "alternatives": Field("rows:integer", optional=True),  # places in `facts`
         },
     ),
-    "Problem": Record(
+    "Problem": RecordShape(
         "A fault in an input, with its place; line and column are 0 where a whole file is meant.",
         {
             "code": Field("string"),
@@ -97,7 +97,7 @@ RECORDS: Mapping[str, Record] = {
             "hint": Field("string"),
         },
     ),
-    "ObservedFact": Record(
+    "ObservedFact": RecordShape(
         "What the simulator's state says of one required fact.",
         {
             "fact": Field("string"),
@@ -110,7 +110,7 @@ RECORDS: Mapping[str, Record] = {
         },
         rules=("arity",),
     ),
-    "UnmetFact": Record(
+    "UnmetFact": RecordShape(
         "A diagnosis of one state, with the route that a first attempt would take.",
         {
             **_FACT,
@@ -124,7 +124,7 @@ RECORDS: Mapping[str, Record] = {
         },
         rules=("arity", "route"),
     ),
-    "Diagnosis": Record(
+    "Diagnosis": RecordShape(
         "The first diagnosis of one fact in an episode, with the routes that the fact was sent to.",
         {
             **_FACT,
@@ -137,7 +137,7 @@ RECORDS: Mapping[str, Record] = {
         },
         rules=("arity",),
     ),
-    "RouteDecision": Record(
+    "RouteDecision": RecordShape(
         "Which route a rule chose for the selected fact.",
         {
             "fact": Field("string"),
@@ -147,7 +147,7 @@ RECORDS: Mapping[str, Record] = {
         },
         rules=("route",),
     ),
-    "Application": Record(
+    "Application": RecordShape(
         "What was applied, by whom and how; all null where nothing was.",
         {
             "proposer": Field("string", TRACE + "proposer", null=True),
@@ -159,7 +159,7 @@ RECORDS: Mapping[str, Record] = {
             "note": Field("string", TRACE + "note", null=True),
         },
     ),
-    "Verification": Record(
+    "Verification": RecordShape(
         "The native predicate's answer, and whether it held after settling (null: nobody asked).",
         {
             "query": Field("string", TRACE + "query"),
@@ -167,7 +167,7 @@ RECORDS: Mapping[str, Record] = {
             "settled": Field("boolean", TRACE + "settled", null=True),
         },
     ),
-    "Attempt": Record(
+    "Attempt": RecordShape(
         "One turn of the correction loop.",
         {
             "verification": Field("record:Verification", TRACE + "verification", null=True),
@@ -180,7 +180,7 @@ RECORDS: Mapping[str, Record] = {
         },
         parts=("RouteDecision", "Application"),
     ),
-    "PlannedFact": Record(
+    "PlannedFact": RecordShape(
         "A required fact at the end of an executed plan: as the simulator shows it, and as it was predicted.",
         {
             **_FACT,
@@ -191,7 +191,7 @@ RECORDS: Mapping[str, Record] = {
         },
         rules=("arity",),
     ),
-    "ExecutedPlan": Record(
+    "ExecutedPlan": RecordShape(
         "A plan that was executed; `retained` is whether every required fact was predicted, which is no success.",
         {
             "planner": Field("string", TRACE + "proposer"),
@@ -204,7 +204,7 @@ RECORDS: Mapping[str, Record] = {
             "verification": Field("record:Verification", TRACE + "verification"),
         },
     ),
-    "Episode": Record(
+    "Episode": RecordShape(
         "One run of the correction loop, as `onto repair --json` prints it.",
         {
             "suite": Field("string", TRACE + "suite"),
@@ -225,11 +225,11 @@ RECORDS: Mapping[str, Record] = {
             "provenance": Field("object"),
         },
     ),
-    "Compilation": Record(
+    "Compilation": RecordShape(
         "What `onto compile --json` prints.",
         {"tasks": Field("list:RequiredABox", GRAPH), "problems": Field("list:Problem")},
     ),
-    "Verdict": Record(
+    "Verdict": RecordShape(
         "What a task file came to in a batch: how much it asks for, and whether the cache knew.",
         {
             "file": Field("string"),
@@ -240,15 +240,15 @@ RECORDS: Mapping[str, Record] = {
             "cached": Field("boolean"),
         },
     ),
-    "Summary": Record(
+    "Summary": RecordShape(
         "How many files a batch had, and what they came to.",
         {name: Field("integer") for name in ("files", "compiled", "failed", "cached")},
     ),
-    "Batch": Record(
+    "Batch": RecordShape(
         "What `onto compile FOLDER --json` prints.",
         {"files": Field("list:Verdict"), "summary": Field("record:Summary"), "problems": Field("list:Problem")},
     ),
-    "Grounding": Record(
+    "Grounding": RecordShape(
         "What `onto ground --json` prints.",
         {
             "suite": Field("string", TRACE + "suite"),
@@ -259,7 +259,7 @@ RECORDS: Mapping[str, Record] = {
             "native_success": Field("boolean", TRACE + "outcomeTruth", null=True),
         },
     ),
-    "Diagnoses": Record(
+    "Diagnoses": RecordShape(
         "What `onto diagnose --json` prints.",
         {
             "task": Field("string", TRACE + "task"),
@@ -268,7 +268,7 @@ RECORDS: Mapping[str, Record] = {
             "alternatives": Field("rows:string", optional=True),
         },
     ),
-    "Demonstration": Record(
+    "Demonstration": RecordShape(
         "What `onto demo --json` prints: one episode per task, and how many ended well.",
         {
             "tasks": Field("list:Episode", GRAPH),

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 from onto_compiler.problems import Span
 
-__all__ = ["Offer", "Told"]
+__all__ = ["Completion", "Hover"]
 
 
 @dataclass(frozen=True, slots=True)
-class Offer:
+class Completion:
     """A completion: ``text`` takes the place of what stands between ``start`` and the cursor (offsets)."""
 
     text: str
@@ -21,7 +21,7 @@ class Offer:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Hover:
     """What is known of the word at ``span``, in Markdown."""
 
     markdown: str

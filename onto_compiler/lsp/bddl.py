@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
-from onto_compiler.lsp.answers import Offer, Told
+from onto_compiler.lsp.answers import Completion, Hover
 from onto_compiler.problems import Span
 from onto_compiler.schema import Schema, local_name
-from onto_compiler.turtle.tokens import Source
+from onto_compiler.turtle.tokens import SourceText
 
 __all__ = ["Declared", "complete", "declarations", "defined_at", "hover"]
 
@@ -49,7 +49,7 @@ def declarations(text: str) -> Mapping[str, Declared]:
     return found
 
 
-def complete(text: str, offset: int, schema: Schema) -> tuple[Offer, ...]:
+def complete(text: str, offset: int, schema: Schema) -> tuple[Completion, ...]:
     """Predicates behind a parenthesis in ``:init`` or ``:goal``, names in atoms, categories behind a dash."""
     begun = _BEGUN.search(text, max(0, text.rfind("\n", 0, offset)), offset)
     start = begun.start() if begun else offset
@@ -60,39 +60,41 @@ def complete(text: str, offset: int, schema: Schema) -> tuple[Offer, ...]:
     if section in {"objects", "fixtures"}:
         if not before.endswith("-"):
             return ()
-        names = {name: Offer(name, start, local_name(cls), kind="class") for name, cls in schema.categories.items()}
+        names = {
+            name: Completion(name, start, local_name(cls), kind="class") for name, cls in schema.categories.items()
+        }
     elif section in _STATEMENTS and before.endswith("("):
-        names = {name: Offer(name, start, what, about, "predicate") for name, what, about in _predicates(schema)}
+        names = {name: Completion(name, start, what, about, "predicate") for name, what, about in _predicates(schema)}
         if section == "goal":
-            names |= {name: Offer(name, start, "connective") for name in _LOGIC}
+            names |= {name: Completion(name, start, "connective") for name in _LOGIC}
     else:
         declared = declarations(text).values()
-        names = {d.name: Offer(d.name, start, f"{d.kind} ({d.category})") for d in declared}
+        names = {d.name: Completion(d.name, start, f"{d.kind} ({d.category})") for d in declared}
     return tuple(offer for name, offer in sorted(names.items()) if name.casefold().startswith(word))
 
 
-def hover(text: str, offset: int, schema: Schema) -> Told | None:
+def hover(text: str, offset: int, schema: Schema) -> Hover | None:
     """What the task declares, or the ontology says, of the word at ``offset``."""
     word = _word(text, offset)
     if word is None:
         return None
     name = word[0].casefold()
-    span = Source("", text).span(word.start(), word.end())
+    span = SourceText("", text).span(word.start(), word.end())
     declared = declarations(text).get(name)
     if declared is not None:
         cls = _class(declared, schema)
         what = f", of class {local_name(cls)}" if cls else ""
         of = "region of" if declared.kind == "region" else f"{declared.kind} of category"
-        return Told(f"**{declared.name}**: {of} `{declared.category}`{what}", span)
+        return Hover(f"**{declared.name}**: {of} `{declared.category}`{what}", span)
     told = [f"`{what}`\n\n{about}" for known, what, about in _predicates(schema) if known.casefold() == name]
-    return Told(f"**{word[0]}** (predicate)\n\n" + "\n\n".join(told), span) if told else None
+    return Hover(f"**{word[0]}** (predicate)\n\n" + "\n\n".join(told), span) if told else None
 
 
 def defined_at(text: str, file: str, offset: int) -> Span | None:
     """Where the name at ``offset`` is declared."""
     word = _word(text, offset)
     declared = declarations(text).get(word[0].casefold()) if word else None
-    return Source(file, text).span(declared.start, declared.end) if declared else None
+    return SourceText(file, text).span(declared.start, declared.end) if declared else None
 
 
 def _instances(text: str) -> Iterator[Declared]:

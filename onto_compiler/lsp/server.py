@@ -17,14 +17,14 @@ from pyoxigraph import Store
 from onto_compiler.check.model import load_model
 from onto_compiler.compile_schema import compile_schema
 from onto_compiler.lsp import bddl, turtle
-from onto_compiler.lsp.answers import Offer
+from onto_compiler.lsp.answers import Completion
 from onto_compiler.lsp.diagnose import NOTHING, Around, formatted, moved, quick_turtle, task_problems, whole_turtle
 from onto_compiler.lsp.siblings import header, siblings, turtle_below
-from onto_compiler.lsp.vocabulary import Term, read_vocabulary
+from onto_compiler.lsp.vocabulary import VocabularyTerm, read_vocabulary
 from onto_compiler.problems import OntoError, Problem, Span
 from onto_compiler.schema import Schema
 from onto_compiler.sources import read_into
-from onto_compiler.turtle.tokens import Source
+from onto_compiler.turtle.tokens import SourceText
 
 __all__ = ["make_server"]
 
@@ -45,7 +45,7 @@ class OntoServer(LanguageServer):
     def __init__(self, extra: tuple[Path, ...]) -> None:
         super().__init__("onto", version("onto-evwm"))
         self.extra = extra
-        self.vocabularies: dict[str, Mapping[str, Term]] = {}
+        self.vocabularies: dict[str, Mapping[str, VocabularyTerm]] = {}
         self.schema: Schema | None = None
         self.settled: dict[str, tuple[str, tuple[Problem, ...]]] = {}
         self.waiting: dict[str, asyncio.Task[None]] = {}
@@ -57,7 +57,7 @@ class OntoServer(LanguageServer):
             self.schema = compile_schema(load_model(self.extra).store)
         return self.schema
 
-    def vocabulary(self, document: TextDocument) -> Mapping[str, Term]:
+    def vocabulary(self, document: TextDocument) -> Mapping[str, VocabularyTerm]:
         """Every term in sight of a Turtle document; while it is broken, what was in sight before."""
         path, text = _path(document), document.source
         around = self.around(document.uri)
@@ -169,7 +169,7 @@ def _format(ls: OntoServer, params: types.DocumentFormattingParams) -> list[type
         return []
     if after == before:
         return []
-    end = Source("", before).span(len(before), len(before))
+    end = SourceText("", before).span(len(before), len(before))
     return [types.TextEdit(_range(document, Span("", 1, 1, end.end_line, end.end_column)), after)]
 
 
@@ -249,8 +249,8 @@ def _range(document: TextDocument, span: Span) -> types.Range:
     return document.range_to_client_units(ServerTextRange(start, end))
 
 
-def _item(document: TextDocument, offer: Offer, cursor: types.Position, rank: int) -> types.CompletionItem:
-    source = Source("", document.source)
+def _item(document: TextDocument, offer: Completion, cursor: types.Position, rank: int) -> types.CompletionItem:
+    source = SourceText("", document.source)
     begin = source.span(offer.start, offer.start)
     span = types.Range(_range(document, begin).start, cursor)
     return types.CompletionItem(

@@ -8,12 +8,12 @@ from pathlib import Path
 
 from pyoxigraph import NamedNode
 
-from onto_compiler.lsp.answers import Offer, Told
-from onto_compiler.lsp.vocabulary import Term
+from onto_compiler.lsp.answers import Completion, Hover
+from onto_compiler.lsp.vocabulary import VocabularyTerm
 from onto_compiler.problems import Span
 from onto_compiler.rdf import PREFIXES, RDF
 from onto_compiler.turtle.source_map import map_text
-from onto_compiler.turtle.tokens import Source, Token, tokens
+from onto_compiler.turtle.tokens import SourceText, Token, tokens
 
 __all__ = ["complete", "defined_at", "hover", "prefixes", "term_at"]
 
@@ -32,7 +32,7 @@ def prefixes(text: str) -> Mapping[str, str]:
     return {match[1]: match[2] for match in _DECLARED.finditer(text)}
 
 
-def complete(text: str, offset: int, vocabulary: Mapping[str, Term]) -> tuple[Offer, ...]:
+def complete(text: str, offset: int, vocabulary: Mapping[str, VocabularyTerm]) -> tuple[Completion, ...]:
     """Declared terms behind ``prefix:``, or prefixes where none is written yet; nothing in a string or a comment."""
     line = text[text.rfind("\n", 0, offset) + 1 : offset]
     match = _NAME.search(line)
@@ -43,7 +43,7 @@ def complete(text: str, offset: int, vocabulary: Mapping[str, Term]) -> tuple[Of
         begun = match[3].casefold()
         start = offset - len(match[3])
         return tuple(
-            Offer(f"{name}:", start, namespace, kind="prefix")
+            Completion(f"{name}:", start, namespace, kind="prefix")
             for name, namespace in sorted(known.items())
             if name.casefold().startswith(begun)
         )
@@ -56,7 +56,7 @@ def complete(text: str, offset: int, vocabulary: Mapping[str, Term]) -> tuple[Of
         local = iri.removeprefix(namespace)
         if local not in {iri, ""} and not re.search(r"[#/]", local) and begun in local.casefold():
             kind = _KINDS.get(term.kind, "name")
-            offers.append(Offer(f"{match[1]}:{local}", start, term.signature or term.kind, term.definition, kind))
+            offers.append(Completion(f"{match[1]}:{local}", start, term.signature or term.kind, term.definition, kind))
     return tuple(
         sorted(offers, key=lambda offer: (not offer.text.casefold().startswith(match[0].casefold()), offer.text))
     )
@@ -80,15 +80,15 @@ def term_at(text: str, offset: int) -> tuple[str, Token] | None:
     return None
 
 
-def hover(text: str, offset: int, vocabulary: Mapping[str, Term]) -> Told | None:
+def hover(text: str, offset: int, vocabulary: Mapping[str, VocabularyTerm]) -> Hover | None:
     """What the ontology says of the term at ``offset``."""
     found = term_at(text, offset)
     if found is None or found[0] not in vocabulary:
         return None
-    return Told(vocabulary[found[0]].markdown, Source("", text).span(found[1].start, found[1].end))
+    return Hover(vocabulary[found[0]].markdown, SourceText("", text).span(found[1].start, found[1].end))
 
 
-def defined_at(text: str, path: Path, offset: int, vocabulary: Mapping[str, Term]) -> Span | None:
+def defined_at(text: str, path: Path, offset: int, vocabulary: Mapping[str, VocabularyTerm]) -> Span | None:
     """Where the term at ``offset`` is the subject of a block: in this buffer, or else in the file that types it."""
     found = term_at(text, offset)
     if found is None:

@@ -13,7 +13,7 @@ from pyoxigraph import NamedNode, QuerySolutions, Store
 from onto_compiler.rdf import prologue
 from onto_compiler.schema import local_name
 
-__all__ = ["Term", "read_vocabulary"]
+__all__ = ["VocabularyTerm", "read_vocabulary"]
 
 _TERMS = """
 SELECT ?term (MIN(?g) AS ?graph) (MIN(STR(?class)) AS ?type) (MIN(STR(?l)) AS ?label) (MIN(STR(?d)) AS ?definition)
@@ -29,7 +29,7 @@ WHERE {
 
 
 @dataclass(frozen=True, slots=True)
-class Term:
+class VocabularyTerm:
     """``kind`` is the local name of its type; ``signature`` is what it relates, where it relates something."""
 
     iri: str
@@ -47,7 +47,7 @@ class Term:
         return "\n\n".join(part for part in parts if part)
 
 
-def read_vocabulary(store: Store) -> Mapping[str, Term]:
+def read_vocabulary(store: Store) -> Mapping[str, VocabularyTerm]:
     """Every typed IRI of ``store`` (one named graph per file), by IRI."""
     rows = cast("QuerySolutions", store.query(prologue() + _TERMS))
     terms = {}
@@ -55,7 +55,7 @@ def read_vocabulary(store: Store) -> Mapping[str, Term]:
         values = {name: row[name].value for name in _NAMES if row[name] is not None}
         iri = row["term"].value
         graph = row["graph"]
-        terms[iri] = Term(
+        terms[iri] = VocabularyTerm(
             iri=iri,
             kind=local_name(values.get("type", "")),
             label=values.get("label", ""),

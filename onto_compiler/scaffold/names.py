@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 from onto_compiler.problems import OntoError
 
-__all__ = ["Name", "read_name"]
+__all__ = ["WordedName", "read_name"]
 
 _WORD = re.compile(r"[A-Z]?[a-z0-9]+|[A-Z]+(?![a-z])")
 
 
 @dataclass(frozen=True, slots=True)
-class Name:
+class WordedName:
     """The words of a name, in lower case."""
 
     words: tuple[str, ...]
@@ -34,7 +34,7 @@ class Name:
         return " ".join(self.words)
 
 
-def read_name(given: str) -> Name:
+def read_name(given: str) -> WordedName:
     """A name from what a person gives: ``served_on``, ``ServedOn``, ``served-on`` and ``"served on"`` are the same.
 
     Raises:
@@ -47,4 +47,4 @@ def read_name(given: str) -> Name:
             f"`{given}` cannot become the name of a term",
             "write words of ASCII letters and digits, joined by `_`, the first one starting with a letter",
         )
-    return Name(tuple(word.lower() for word in _WORD.findall(given)))
+    return WordedName(tuple(word.lower() for word in _WORD.findall(given)))

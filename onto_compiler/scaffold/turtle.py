@@ -13,7 +13,7 @@ from onto_compiler.check.model import Model, load_model
 from onto_compiler.problems import OntoError, near
 from onto_compiler.rdf import BASE, CORE, OWL, PREFIXES, RDF, SH
 from onto_compiler.scaffold import templates
-from onto_compiler.scaffold.names import Name
+from onto_compiler.scaffold.names import WordedName
 from onto_compiler.sources import graph_of
 from onto_compiler.turtle.source_map import map_text
 
@@ -36,7 +36,7 @@ class Options:
     supports: Sequence[str] = field(default=("man:ObjectRelation",))
 
 
-def new_ontology(name: Name, options: Options) -> str:
+def new_ontology(name: WordedName, options: Options) -> str:
     """A file that holds an ontology header and nothing else.
 
     Raises:
@@ -52,7 +52,7 @@ def new_ontology(name: Name, options: Options) -> str:
     return _with_prefixes("", header, {})
 
 
-def added(kind: str, name: Name, path: Path, text: str, options: Options) -> str:
+def added(kind: str, name: WordedName, path: Path, text: str, options: Options) -> str:
     """``text``, the file at ``path``, with a ``kind`` (predicate, failure or route) called ``name`` at its end.
 
     Raises:

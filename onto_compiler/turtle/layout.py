@@ -19,8 +19,8 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.sources import read_into
 from onto_compiler.turtle.printer import print_document
 from onto_compiler.turtle.remarks import END, Remark
-from onto_compiler.turtle.tokens import Source, Token
-from onto_compiler.turtle.tree import Directive, Document, Item, Unknown, read_document
+from onto_compiler.turtle.tokens import SourceText, Token
+from onto_compiler.turtle.tree import Directive, Item, TurtleDocument, Unknown, read_document
 
 __all__ = ["format_turtle", "read_turtle"]
 
@@ -79,14 +79,14 @@ def _anonymous(quads: Iterable[Quad]) -> Counter[tuple[str, ...]]:
 
 
 def _unknown(path: Path, text: str, token: Token) -> Problem:
-    span = Source(str(path), text).span(token.start, token.end)
+    span = SourceText(str(path), text).span(token.start, token.end)
     message = "this file holds what `onto fmt` cannot lay out without changing it"
     if token.text:
         message = f"`onto fmt` does not know `{token.text}` here: it lays out RDF 1.1 Turtle"
     return Problem.at(span, "FMT001", message, "leave this file out, or write it in RDF 1.1 Turtle")
 
 
-def _sorted(document: Document) -> Document:
+def _sorted(document: TurtleDocument) -> TurtleDocument:
     """Base and prefixes before everything else, each once and by name, where that changes no meaning."""
     statements = document.statements
     directives = [item for item in statements if isinstance(item.body, Directive)]
@@ -117,7 +117,7 @@ def _sorted(document: Document) -> Document:
     above[0].above = [*header, *above[0].above]
     if header:
         _separate(above[0], len(header), apart=separate)
-    return Document([*above, *below], document.below)
+    return TurtleDocument([*above, *below], document.below)
 
 
 def _separate(item: Item, header: int, *, apart: bool) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Final
 
 from onto_compiler.problems import Problem
-from onto_compiler.turtle.tokens import Source, Token, tokens, unescape
+from onto_compiler.turtle.tokens import SourceText, Token, tokens, unescape
 
 __all__ = ["MAX_DEPTH", "MAX_LITERAL", "literal_problem", "nesting_problem"]
 
@@ -58,4 +58,4 @@ def _deepest(brackets: Iterable[str]) -> int | None:
 
 
 def _problem(path: Path, text: str, token: Token, message: str, hint: str) -> Problem:
-    return Problem.at(Source(str(path), text).span(token.start, token.end), "TTL009", message, hint)
+    return Problem.at(SourceText(str(path), text).span(token.start, token.end), "TTL009", message, hint)

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Final, cast
 
 from onto_compiler.turtle.remarks import Remark
-from onto_compiler.turtle.tree import Bracket, Directive, Document, Item, Property, Triples, Word
+from onto_compiler.turtle.tree import Bracket, Directive, Item, Property, Triples, TurtleDocument, Word
 
 __all__ = ["WIDTH", "print_document"]
 
@@ -21,7 +21,7 @@ _CLOSING: Final = {"[": "]", "(": ")"}
 _SEPARATOR: Final = 2  # columns of a space and what ends a line
 
 
-def print_document(document: Document) -> list[str]:
+def print_document(document: TurtleDocument) -> list[str]:
     """The lines of a document, without line ends; a string of several lines counts as part of one."""
     lines: list[str] = []
     for item in document.statements:

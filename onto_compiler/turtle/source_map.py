@@ -16,7 +16,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Tr
 from onto_compiler.problems import Span
 from onto_compiler.rdf import RDF, XSD
 from onto_compiler.turtle.limits import MAX_DEPTH
-from onto_compiler.turtle.tokens import Source, Token, position_in_literal, tokens, unescape
+from onto_compiler.turtle.tokens import SourceText, Token, position_in_literal, tokens, unescape
 
 __all__ = ["Located", "Prefix", "SourceMap", "Term", "canonical", "map_text", "read_map"]
 
@@ -51,7 +51,7 @@ class Prefix:
 class SourceMap:
     """The triples of one file in the order in which they are written."""
 
-    source: Source
+    source: SourceText
     triples: list[Located] = field(default_factory=list)
     declared: list[Prefix] = field(default_factory=list)
 
@@ -110,7 +110,7 @@ def read_map(path: Path, base: str | None = None) -> SourceMap:
 
 def map_text(text: str, file: str, base: str) -> SourceMap:
     """The source map of a text; relative IRIs are resolved against ``base``."""
-    result = SourceMap(Source(file, text))
+    result = SourceMap(SourceText(file, text))
     _Walker(result, base).run()
     return result
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from onto_compiler.problems import Problem, Span, clipped, near
 from onto_compiler.rdf import PREFIXES
-from onto_compiler.turtle.tokens import Source, Token, tokens
+from onto_compiler.turtle.tokens import SourceText, Token, tokens
 
 __all__ = ["syntax_problem"]
 
@@ -22,7 +22,7 @@ _PAIRS = {"[": "]", "(": ")"}
 def syntax_problem(path: Path, error: SyntaxError, text: str | None = None) -> Problem:
     """The fault that stopped Oxigraph in ``path``, as the narrowest code that fits (TTL001 where none does)."""
     text = path.read_bytes().decode("utf-8", errors="replace") if text is None else text
-    source = Source(str(path), text.removeprefix("\ufeff"))
+    source = SourceText(str(path), text.removeprefix("\ufeff"))
     message = re.sub(r"^Parser error (at|between) line .*?: ", "", str(error.msg or error))
     line, column = error.lineno or 0, error.offset or 0
     if not line and (place := _PLACE.search(str(error))):
@@ -47,12 +47,12 @@ def syntax_problem(path: Path, error: SyntaxError, text: str | None = None) -> P
     )
 
 
-def _problem(source: Source, offset: int, code: str, message: str, hint: str) -> Problem:
+def _problem(source: SourceText, offset: int, code: str, message: str, hint: str) -> Problem:
     span: Span = source.span(offset, offset + 1)
     return Problem.at(span, code, message, hint)
 
 
-def _unterminated(source: Source, read: list[Token], offset: int) -> Problem | None:
+def _unterminated(source: SourceText, read: list[Token], offset: int) -> Problem | None:
     opened = next((token for token in read if token.kind == "unterminated" and token.start <= offset), None)
     if opened is None:
         return None
@@ -62,7 +62,7 @@ def _unterminated(source: Source, read: list[Token], offset: int) -> Problem | N
     return _problem(source, opened.start, "TTL004", "the string that opens here is never closed", hint)
 
 
-def _prefix(source: Source, message: str, offset: int) -> Problem | None:
+def _prefix(source: SourceText, message: str, offset: int) -> Problem | None:
     match = _PREFIX.search(message)
     if match is None:
         return None
@@ -75,7 +75,7 @@ def _prefix(source: Source, message: str, offset: int) -> Problem | None:
     return _problem(source, offset, "TTL003", f"the prefix `{clipped(name)}:` is not declared", hint)
 
 
-def _bracket(source: Source, before: list[Token], found: Token | None) -> Problem | None:
+def _bracket(source: SourceText, before: list[Token], found: Token | None) -> Problem | None:
     """A ``.`` or the end of the file inside ``[`` or ``(``: the slip is at the bracket."""
     if found is not None and found.text != ".":
         return None
@@ -100,7 +100,7 @@ def _bracket(source: Source, before: list[Token], found: Token | None) -> Proble
     )
 
 
-def _end(source: Source, message: str, before: list[Token], found: Token | None) -> Problem | None:
+def _end(source: SourceText, message: str, before: list[Token], found: Token | None) -> Problem | None:
     """A statement without its dot: the slip is behind the last token that still belongs to it."""
     if not before or not (message.startswith("A dot is expected") or (found is None and before[-1].text != ".")):
         return None
@@ -110,7 +110,7 @@ def _end(source: Source, message: str, before: list[Token], found: Token | None)
     return _problem(source, before[-1].end, "TTL005", "the statement that ends here has no `.`", hint)
 
 
-def _invalid(source: Source, message: str, before: list[Token], offset: int) -> Problem | None:
+def _invalid(source: SourceText, message: str, before: list[Token], offset: int) -> Problem | None:
     match = _INVALID.fullmatch(message)
     if match is None:
         return None
@@ -127,7 +127,7 @@ def _invalid(source: Source, message: str, before: list[Token], offset: int) -> 
     return _problem(source, offset, "TTL001", f"not Turtle: expected {what}, found `{shown}`", hint)
 
 
-def _iri(source: Source, message: str, offset: int) -> Problem | None:
+def _iri(source: SourceText, message: str, offset: int) -> Problem | None:
     match = _CODE_POINT.search(message)
     if match is None:
         return None

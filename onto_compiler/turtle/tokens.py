@@ -14,7 +14,7 @@ from typing import NamedTuple, cast
 
 from onto_compiler.problems import Span
 
-__all__ = ["Source", "Token", "position_in_literal", "tokens", "unescape"]
+__all__ = ["SourceText", "Token", "position_in_literal", "tokens", "unescape"]
 
 # Every repetition gives nothing back (`*+`), so that no text makes the scanner read it more than a few times.
 _MORE = (  # letters of PN_CHARS that are none to Python: combining characters, and places without one
@@ -65,7 +65,7 @@ class Token(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class SourceText:
     """A file's text, with the offsets at which its lines begin."""
 
     file: str

@@ -12,7 +12,7 @@ from onto_compiler.rdf import RDF
 from onto_compiler.turtle.remarks import END, Lexeme, Remark, lexemes
 from onto_compiler.turtle.tokens import Token
 
-__all__ = ["Bracket", "Directive", "Document", "Item", "Property", "Triples", "Unknown", "Word", "read_document"]
+__all__ = ["Bracket", "Directive", "Item", "Property", "Triples", "TurtleDocument", "Unknown", "Word", "read_document"]
 
 _CLOSING: Final = {"[": "]", "(": ")"}
 _ATOMS: Final = frozenset(("iri", "name", "blank", "number", "string"))
@@ -78,7 +78,7 @@ class Item:
 
 
 @dataclass(slots=True)
-class Document:
+class TurtleDocument:
     """All statements, and the comments behind the last one."""
 
     statements: list[Item]
@@ -93,7 +93,7 @@ class Unknown(Exception):  # noqa: N818 - not an error to its callers, who make 
         self.token = token
 
 
-def read_document(text: str) -> Document:
+def read_document(text: str) -> TurtleDocument:
     """The tree of a Turtle text.
 
     Raises:
@@ -104,7 +104,7 @@ def read_document(text: str) -> Document:
     statements = []
     while reader.peek.token.kind != END:
         statements.append(reader.statement())
-    return Document(statements, reader.above())
+    return TurtleDocument(statements, reader.above())
 
 
 @dataclass(slots=True)

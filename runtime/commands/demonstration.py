@@ -17,7 +17,7 @@ from runtime.loop.records import Episode
 from runtime.loop.registry import load_proposers
 from runtime.report import write_report
 from runtime.report.gallery import Pictures
-from runtime.trace.asking import print_answer
+from runtime.trace.output import print_answer
 from runtime.trace.sparql import Answer, named_query
 from runtime.trace.store import TraceStore
 from runtime.trace.summary import demo_table, episode_summary

@@ -29,11 +29,11 @@ from runtime.worlds.libero.simulator.assets import named_task
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.native import NativeTask
 from runtime.worlds.libero.simulator.pictures import Camera
-from runtime.worlds.libero.skills.episode import Performance, Stage
+from runtime.worlds.libero.skills.episode import EpisodePlayer, EpisodeRecord
 from runtime.worlds.libero.skills.offers import Carrying
 from runtime.worlds.libero.skills.offset_grid import OffsetGrid
 from runtime.worlds.libero.skills.play import Player
-from runtime.worlds.libero.skills.replay import Replay
+from runtime.worlds.libero.skills.replay import NativeReplay
 
 __all__ = ["play"]
 
@@ -65,7 +65,7 @@ def play(options: argparse.Namespace) -> int:
 
 
 @contextmanager
-def _stage(options: argparse.Namespace, knowledge: Knowledge) -> Iterator[Stage]:
+def _stage(options: argparse.Namespace, knowledge: Knowledge) -> Iterator[EpisodePlayer]:
     ref = named_task(options.task)
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         required = required_of(ref, knowledge, ordered=True)
@@ -74,16 +74,16 @@ def _stage(options: argparse.Namespace, knowledge: Knowledge) -> Iterator[Stage]
         if options.candidates == "offset-grid":
             grid = OffsetGrid(knowledge.schema)
             player.skills = {name: grid if isinstance(each, Carrying) else each for name, each in player.skills.items()}
-        replay = Replay(NativeTask.open(ref, options.seed), required, knowledge.schema)
+        replay = NativeReplay(NativeTask.open(ref, options.seed), required, knowledge.schema)
     with replay:
-        yield Stage(ref, required, knowledge, scene, player, replay, options.candidates.replace("-", "_"))
+        yield EpisodePlayer(ref, required, knowledge, scene, player, replay, options.candidates.replace("-", "_"))
 
 
 def _store(options: argparse.Namespace, schema: Schema) -> TraceStore:
     return TraceStore(options.out / "store", schema, "play", ontology=options.ontology)
 
 
-def _record(out: Path, store: TraceStore, performance: Performance) -> None:
+def _record(out: Path, store: TraceStore, performance: EpisodeRecord) -> None:
     """Write the trace, and beside it the actions: what a replay needs."""
     episode = performance.episode
     store.add(episode)
@@ -98,7 +98,7 @@ def _record(out: Path, store: TraceStore, performance: Performance) -> None:
         raise OntoError.of("TRC001", f"cannot write `{path}`: {error}", hint, str(path)) from error
 
 
-def _film(path: Path, stage: Stage, performance: Performance) -> None:
+def _film(path: Path, stage: EpisodePlayer, performance: EpisodeRecord) -> None:
     """Draw the moments of the native run from the poses that it went through."""
     model = compile_scene(stage.ref.bddl, stage.scene.seed, pictures=True).model
     data = mujoco.MjData(model)
@@ -113,7 +113,7 @@ def _film(path: Path, stage: Stage, performance: Performance) -> None:
         write_film(path, performance.episode, stage.knowledge.schema, shown, shoot)
 
 
-def _story(performance: Performance, schema: Schema) -> Iterator[str]:
+def _story(performance: EpisodeRecord, schema: Schema) -> Iterator[str]:
     """The episode in sentences, in lines of 80 columns where names allow."""
     episode = performance.episode
     for line in narrate(episode, schema):

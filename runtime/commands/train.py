@@ -17,8 +17,8 @@ from runtime.training import STAGES
 __all__ = ["TRAIN"]
 
 WORLDS = ("pointmaze", "libero")
-Say = Callable[[str], None]
-Stage = Callable[[str, str, str, Say], Mapping[str, float]]
+Log = Callable[[str], None]
+Stage = Callable[[str, str, str, Log], Mapping[str, float]]
 """Stage, command, commit and what says how far it is, to the metrics of the stage's card."""
 
 
@@ -76,24 +76,25 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _pointmaze(options: argparse.Namespace, folder: Path) -> Stage:
-    from runtime.training.stages import Place  # noqa: PLC0415
-    from runtime.worlds.pointmaze.training import Course, train  # noqa: PLC0415 - as above
+    from runtime.training.stages import TrainingDir  # noqa: PLC0415
+    from runtime.worlds.pointmaze.training import MazeTrainingConfig, train  # noqa: PLC0415 - as above
 
-    course, place = Course(seed=options.seed, **_given(encoder=_encoder(options, folder))), Place(folder)
-    return lambda stage, command, commit, say: train(stage, course, place, command, commit, say)
+    config = MazeTrainingConfig(seed=options.seed, **_given(encoder=_encoder(options, folder)))
+    place = TrainingDir(folder)
+    return lambda stage, command, commit, log: train(stage, config, place, command, commit, log)
 
 
 def _libero(options: argparse.Namespace, folder: Path) -> Stage:
     from onto_compiler.batch import available_jobs  # noqa: PLC0415 - as above
-    from runtime.worlds.libero.training.course import Course  # noqa: PLC0415
+    from runtime.worlds.libero.training.config import SceneTrainingConfig  # noqa: PLC0415
     from runtime.worlds.libero.training.train import FilmPlace, train  # noqa: PLC0415
 
     if options.count is not None and options.count < 1:
         raise OntoError.of("CLI002", f"--count must be at least 1, and is {options.count}")
     given = _given(encoder=_encoder(options, folder), demos=options.count)
-    course = Course(seed=options.seed, **given)
+    config = SceneTrainingConfig(seed=options.seed, **given)
     place = FilmPlace(folder, folder.parent / "data", options.demos, options.threads or available_jobs())
-    return lambda stage, command, commit, say: train(stage, course, place, command, commit, say)
+    return lambda stage, command, commit, log: train(stage, config, place, command, commit, log)
 
 
 def _encoder(options: argparse.Namespace, folder: Path) -> str | None:

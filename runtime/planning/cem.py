@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import torch
 
-__all__ = ["Budget", "Found", "Judge", "Region", "Sampling", "coloured", "search"]
+__all__ = ["Budget", "Candidate", "Judge", "Sampling", "SamplingDistribution", "coloured", "search"]
 
 Cost = Callable[[torch.Tensor], torch.Tensor]
 """Candidates (N, T, A) to costs (N,); lower is better."""
@@ -58,38 +58,40 @@ class Sampling:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Region:
+class SamplingDistribution:
     """Where a search looks: normal around ``mean`` (T, A) with ``deviation`` (T, A)."""
 
     mean: torch.Tensor
     deviation: torch.Tensor
 
     @classmethod
-    def everywhere(cls, steps: int, actions: int, sampling: Sampling, device: str | torch.device = "cpu") -> Region:
+    def everywhere(
+        cls, steps: int, actions: int, sampling: Sampling, device: str | torch.device = "cpu"
+    ) -> SamplingDistribution:
         """Around no action at all."""
         mean = torch.zeros(steps, actions, device=device)
         return cls(mean, torch.full_like(mean, sampling.deviation))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Found:
+class Candidate:
     """The best candidate ``actions`` (T, A), its ``cost``, how many were looked at, and the last ``region``."""
 
     actions: torch.Tensor
     cost: float
     evaluations: int
-    region: Region
+    region: SamplingDistribution
 
 
 def search(
     cost: Cost,
-    region: Region,
+    region: SamplingDistribution,
     budget: Budget,
     sampling: Sampling,
     random: torch.Generator,
-    known: Found | None = None,
+    known: Candidate | None = None,
     judge: Judge | None = None,
-) -> Found:
+) -> Candidate:
     """Minimise ``cost`` over actions in [-1, 1], beginning in ``region``; what is ``known`` competes from the start.
 
     With a ``judge`` the last iteration's evaluations go to the last elites, the middle of the last region and what is
@@ -111,7 +113,7 @@ def search(
         order = torch.argsort(costs)[: budget.elites]
         elites = candidates[order]
         if judge is None and (best is None or float(costs[order[0]]) < best.cost):
-            best = Found(elites[0], float(costs[order[0]]), 0, region)
+            best = Candidate(elites[0], float(costs[order[0]]), 0, region)
         region = _towards(region, elites, sampling.momentum)
     if judge is None:
         if best is None:
@@ -121,7 +123,7 @@ def search(
     finalists = torch.cat([elites[: max(budget.samples // judge.copies - len(others), 1)], others])
     costs = judge.cost(finalists)
     place = int(costs.argmin())
-    return Found(finalists[place], float(costs[place]), spent + judge.copies * len(finalists), region)
+    return Candidate(finalists[place], float(costs[place]), spent + judge.copies * len(finalists), region)
 
 
 def coloured(shape: tuple[int, int, int], colour: float, random: torch.Generator) -> torch.Tensor:
@@ -141,9 +143,9 @@ def coloured(shape: tuple[int, int, int], colour: float, random: torch.Generator
     return torch.fft.irfft(white * weight / deviation, n=steps).transpose(1, 2)
 
 
-def _towards(region: Region, elites: torch.Tensor, momentum: float) -> Region:
+def _towards(region: SamplingDistribution, elites: torch.Tensor, momentum: float) -> SamplingDistribution:
     """The normal distribution of ``elites`` (K, T, A), a little of ``region`` left."""
-    return Region(
+    return SamplingDistribution(
         momentum * region.mean + (1 - momentum) * elites.mean(dim=0),
         momentum * region.deviation + (1 - momentum) * elites.std(dim=0),
     )

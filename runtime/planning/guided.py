@@ -2,7 +2,7 @@
 
 Algorithm 1 of the paper on predictions: a plan whose facts all hold is retained, which is no success. Plans are
 compared success first: fewer facts that are false, then fewer steps, then less that margins lack of what is required,
-then less cost, as :meth:`runtime.planning.question.Question.judged` has them. So a longer plan, which takes the time
+then less cost, as :meth:`PlanningProblem.judged` has them. So a longer plan, which takes the time
 that another look and another plan would have, must make more facts true. The controls differ in one thing: what is
 tried is drawn at random, whatever the diagnosis says.
 """
@@ -23,11 +23,11 @@ from onto_compiler.tables import ABSENT, FIRST, REPEAT
 from runtime.loop.diagnosis import diagnose_goal, select, unmet
 from runtime.loop.records import Diagnosis, RouteDecision
 from runtime.loop.routing import route_or_none
-from runtime.planning.cem import Found
+from runtime.planning.cem import Candidate
 from runtime.planning.mechanisms import Mechanism
-from runtime.planning.question import COPIES, Question
+from runtime.planning.problem import COPIES, PlanningProblem
 
-__all__ = ["Searched", "Tried", "improve"]
+__all__ = ["MechanismTrial", "SearchResult", "improve"]
 
 LEVEL = "plan"
 _PATIENCE = 2
@@ -35,7 +35,7 @@ _PATIENCE = 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tried:
+class MechanismTrial:
     """One answer to a diagnosis: whether its plan took the place of the best, and what was predicted of that plan.
 
     ``before``: what was predicted of the best plan until then, which was diagnosed.
@@ -51,26 +51,26 @@ class Tried:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Searched:
+class SearchResult:
     """The best plan, whether every required fact is predicted of it, and what was tried on the way."""
 
-    found: Found
+    found: Candidate
     observation: Observation
     retained: bool
     evaluations: int
-    tried: tuple[Tried, ...]
+    tried: tuple[MechanismTrial, ...]
 
 
 def improve(
-    question: Question,
-    first: Found,
+    question: PlanningProblem,
+    first: Candidate,
     required: RequiredABox,
     knowledge: Knowledge,
     mechanisms: Mapping[str, Mechanism],
     allowance: int,
     random: torch.Generator,
     instead: Mapping[str, Mechanism] | None = None,
-) -> Searched:
+) -> SearchResult:
     """Better ``first`` until its predicted facts hold, no route is left, or ``allowance`` evaluations are spent.
 
     A fact without evidence is left as it is: whatever plan is imagined, nothing is seen of it.
@@ -79,7 +79,7 @@ def improve(
     the rules choose: a control of the same budget and the same rule of acceptance.
     """
     best, (seen, price) = first, question.judged(first)
-    spent, tried = COPIES, list[Tried]()
+    spent, tried = COPIES, list[MechanismTrial]()
     refused = dict[int, list[str]]()  # of each fact, the routes that did not better the best plan
     while spent < allowance:
         found = [each for each in diagnose_goal(required, seen, knowledge.tables) if each.status != ABSENT]
@@ -98,22 +98,24 @@ def improve(
         choices = _shuffled(instead, random) if instead else [local_name(decision.route)] if decision else []
         name, answer = _first(choices, instead or mechanisms, question, best, diagnosis, random)
         if answer is None:
-            tried.append(Tried(seen, diagnosis, decision, name, 0, better=False, observation=None))
+            tried.append(MechanismTrial(seen, diagnosis, decision, name, 0, better=False, observation=None))
             earlier += [decision.route] if decision else [""] * _PATIENCE
             continue
         spent += answer.evaluations + COPIES
         there, cost = question.judged(answer)
         better = _standing(required, answer, there, cost) < _standing(required, best, seen, price)
-        tried.append(Tried(seen, diagnosis, decision, name, answer.evaluations, better=better, observation=there))
+        tried.append(
+            MechanismTrial(seen, diagnosis, decision, name, answer.evaluations, better=better, observation=there)
+        )
         if better:
             best, seen, price = answer, there, cost
             refused.clear()
         else:
             earlier.append(decision.route if decision else "")
-    return Searched(best, seen, not unmet(required, seen), spent, tuple(tried))
+    return SearchResult(best, seen, not unmet(required, seen), spent, tuple(tried))
 
 
-def _standing(required: RequiredABox, plan: Found, seen: Observation, cost: float) -> tuple[int, int, float, float]:
+def _standing(required: RequiredABox, plan: Candidate, seen: Observation, cost: float) -> tuple[int, int, float, float]:
     """What plans are compared by, the less the better: all that is observed of them, and their cost."""
     false, lack = 0, 0.0
     for index in np.flatnonzero(seen.observed):
@@ -132,11 +134,11 @@ def _shuffled(names: Iterable[str], random: torch.Generator) -> list[str]:
 def _first(
     names: Sequence[str],
     mechanisms: Mapping[str, Mechanism],
-    question: Question,
-    best: Found,
+    question: PlanningProblem,
+    best: Candidate,
     diagnosis: Diagnosis,
     random: torch.Generator,
-) -> tuple[str, Found | None]:
+) -> tuple[str, Candidate | None]:
     """The first of ``names`` that has an answer, and the answer; the last of them without one."""
     name = ""
     for name in names:

@@ -13,12 +13,12 @@ import torch
 
 from grounding.world_model.dynamics import Imagined
 from runtime.loop.records import Diagnosis
-from runtime.planning.cem import Found, Region, search
-from runtime.planning.question import Question
+from runtime.planning.cem import Candidate, SamplingDistribution, search
+from runtime.planning.problem import PlanningProblem
 
 __all__ = ["Mechanism", "again", "longer_horizon", "match_velocity", "resample_around_margin", "waypoint"]
 
-Mechanism = Callable[[Question, Found, Diagnosis, torch.Generator], Found | None]
+Mechanism = Callable[[PlanningProblem, Candidate, Diagnosis, torch.Generator], Candidate | None]
 
 _NARROW = 0.2
 """Standard deviation of the candidates around a plan that is nearly right."""
@@ -31,10 +31,10 @@ _OFF = 0.05
 
 
 def resample_around_margin(
-    question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator
-) -> Found | None:
+    question: PlanningProblem, best: Candidate, diagnosis: Diagnosis, random: torch.Generator
+) -> Candidate | None:
     """Draw candidates narrowly around the best plan, scored with what margins lack on top."""
-    region = Region(best.actions, torch.full_like(best.actions, _NARROW))
+    region = SamplingDistribution(best.actions, torch.full_like(best.actions, _NARROW))
     urgent = _urging(question, diagnosis)
     with torch.no_grad():
         return search(
@@ -43,7 +43,9 @@ def resample_around_margin(
         )  # fmt: skip
 
 
-def match_velocity(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
+def match_velocity(
+    question: PlanningProblem, best: Candidate, diagnosis: Diagnosis, random: torch.Generator
+) -> Candidate | None:
     """Descend the gradient of cost and lack through the dynamics, from the best plan and from plans around it.
 
     Each step is taken a little off, so that what is found is wide: where a model is wrong it is so in narrow places.
@@ -69,23 +71,27 @@ def match_velocity(question: Question, best: Found, diagnosis: Diagnosis, random
     with torch.no_grad():
         costs = judge.cost(ends)
     place = int(costs.argmin())
-    return Found(ends[place], float(costs[place]), (3 * _STEPS + judge.copies) * _DESCENTS, best.region)
+    return Candidate(ends[place], float(costs[place]), (3 * _STEPS + judge.copies) * _DESCENTS, best.region)
 
 
-def longer_horizon(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
+def longer_horizon(
+    question: PlanningProblem, best: Candidate, diagnosis: Diagnosis, random: torch.Generator
+) -> Candidate | None:
     """Plan over twice the steps, the best plan first; None where fewer are left."""
     del diagnosis
     steps, macro = len(best.actions), question.dynamics.macro
     if 2 * steps > question.longest * macro:
         return None
     with torch.no_grad():
-        wide = Region.everywhere(2 * steps, question.actions, question.sampling, best.actions.device)
-        region = Region(torch.cat([best.actions, torch.zeros_like(best.actions)]), wide.deviation)
+        wide = SamplingDistribution.everywhere(2 * steps, question.actions, question.sampling, best.actions.device)
+        region = SamplingDistribution(torch.cat([best.actions, torch.zeros_like(best.actions)]), wide.deviation)
         found = search(question.cost, region, question.budget, question.sampling, random, judge=question.judge())
         return replace(found, evaluations=2 * found.evaluations)  # of plans that are twice as long
 
 
-def waypoint(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
+def waypoint(
+    question: PlanningProblem, best: Candidate, diagnosis: Diagnosis, random: torch.Generator
+) -> Candidate | None:
     """Go to the middle of the way through the free cells first, then on; None where no cell lies between."""
     del diagnosis
     if question.between is None:
@@ -103,23 +109,27 @@ def waypoint(question: Question, best: Found, diagnosis: Diagnosis, random: torc
 
     with torch.no_grad():
         device = best.actions.device
-        start = Region.everywhere(half, question.actions, question.sampling, device)
+        start = SamplingDistribution.everywhere(half, question.actions, question.sampling, device)
         there = search(away, start, budget, question.sampling, random)
-        rest = Region.everywhere(len(best.actions) - half, question.actions, question.sampling, device)
+        rest = SamplingDistribution.everywhere(len(best.actions) - half, question.actions, question.sampling, device)
         on = search(onward, rest, budget, question.sampling, random)
         spent = there.evaluations + on.evaluations
-        return Found(torch.cat([there.actions, on.actions]), on.cost, spent, best.region)
+        return Candidate(torch.cat([there.actions, on.actions]), on.cost, spent, best.region)
 
 
-def again(question: Question, best: Found, diagnosis: Diagnosis, random: torch.Generator) -> Found | None:
+def again(
+    question: PlanningProblem, best: Candidate, diagnosis: Diagnosis, random: torch.Generator
+) -> Candidate | None:
     """Search everywhere once more, whatever failed: what a guided search is compared with."""
     del diagnosis
-    region = Region.everywhere(len(best.actions), question.actions, question.sampling, best.actions.device)
+    region = SamplingDistribution.everywhere(
+        len(best.actions), question.actions, question.sampling, best.actions.device
+    )
     with torch.no_grad():
         return search(question.cost, region, question.budget, question.sampling, random, best, question.judge())
 
 
-def _urging(question: Question, diagnosis: Diagnosis) -> Callable[[Imagined], torch.Tensor]:
+def _urging(question: PlanningProblem, diagnosis: Diagnosis) -> Callable[[Imagined], torch.Tensor]:
     """The question's cost, and on top what observed margins lack of what is required, the diagnosed one's twice over.
 
     Were the others left out, a plan would be bettered in one fact by giving up another.

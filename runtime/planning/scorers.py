@@ -14,7 +14,7 @@ import torch
 
 from grounding.world_model.dynamics import Dynamics, Imagined, spread
 from grounding.world_model.events import EventHead
-from grounding.world_model.pred import Goal, PredGrounder
+from grounding.world_model.pred import ObservedGoal, PredGrounder
 from onto_compiler.problems import OntoError, near
 from onto_compiler.schema import Score, local_name
 
@@ -35,7 +35,7 @@ _OF_FACTS = {"fact_margin": "margins", "fact_score": "scores"}
 class Scorer(Protocol):
     """Costs (N,) of N imagined candidates; lower is better."""
 
-    def __call__(self, imagined: Imagined, goal: Goal) -> torch.Tensor:
+    def __call__(self, imagined: Imagined, goal: ObservedGoal) -> torch.Tensor:
         """One number for each candidate."""
 
 
@@ -90,7 +90,7 @@ class Weighted:
         self._margins = torch.tensor([float(weights.margins.get(name, 0.0)) for name in names])
         self._scores = torch.tensor([float(weights.scores.get(name, 0.0)) for name in names])
 
-    def __call__(self, imagined: Imagined, goal: Goal) -> torch.Tensor:
+    def __call__(self, imagined: Imagined, goal: ObservedGoal) -> torch.Tensor:
         """Costs (N,)."""
         weights, scale = self.weights, self._dynamics.motion.scale
         features, proprio = imagined.features[:, :, -1], imagined.proprio[:, :, -1]

@@ -21,7 +21,7 @@ from runtime.loop.records import Episode
 from runtime.report.sections import episode_name
 from runtime.trace.narrate import chain, outcome_sentence
 
-__all__ = ["Frame", "Moment", "film_html", "film_picture", "moments", "write_film"]
+__all__ = ["Frame", "Shot", "film_html", "film_picture", "moments", "write_film"]
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ _INK, _PAPER = (25, 25, 25), (250, 250, 248)
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class Shot:
     """What is shown of an attempt: ``step`` is a place among the states that the episode went through."""
 
     attempt: int
@@ -47,11 +47,11 @@ class Moment:
 class Frame:
     """A moment and a JPEG of it."""
 
-    moment: Moment
+    moment: Shot
     picture: bytes
 
 
-def moments(actions: Array, bounds: Sequence[int]) -> tuple[Moment, ...]:
+def moments(actions: Array, bounds: Sequence[int]) -> tuple[Shot, ...]:
     """The moments of ``actions`` (n, 7), of which attempt k took those from ``bounds[k]`` to ``bounds[k + 1]``.
 
     The grasp is the first closing of the gripper in the attempt, some steps later, when the fingers hold; the release
@@ -61,15 +61,15 @@ def moments(actions: Array, bounds: Sequence[int]) -> tuple[Moment, ...]:
     found = []
     for attempt, (first, last) in enumerate(pairwise(bounds)):
         if first == last:
-            found.append(Moment(attempt, "as it stood", first))
+            found.append(Shot(attempt, "as it stood", first))
             continue
         closed = np.flatnonzero(actions[first:last, 6] > 0.0) + first
         between = [("on the way", (first + last) // 2)]
         if len(closed):
             between = [("grasp", min(int(closed[0]) + CLOSING, int(closed[-1]))), ("release", int(closed[-1]) + 1)]
         for name, step in (("before", first), *between, ("after", last)):
-            found.append(Moment(attempt, name, step))
-    return tuple(found) or (Moment(0, "start", bounds[0]),)
+            found.append(Shot(attempt, name, step))
+    return tuple(found) or (Shot(0, "start", bounds[0]),)
 
 
 def film_html(episode: Episode, schema: Schema, frames: Sequence[Frame]) -> str:
@@ -96,7 +96,7 @@ def _figure(frame: Frame) -> Html:
     return element("figure", image, element("figcaption", caption))
 
 
-def _told(episode: Episode, moment: Moment) -> str:
+def _told(episode: Episode, moment: Shot) -> str:
     if not episode.attempts:
         return _caption(moment)
     text = f"attempt {moment.attempt + 1}, {_caption(moment)}"
@@ -106,7 +106,7 @@ def _told(episode: Episode, moment: Moment) -> str:
     return f"{text}: {'broken off' if verdict is None else 'accepted' if verdict.outcome else 'rejected'}"
 
 
-def _caption(moment: Moment) -> str:
+def _caption(moment: Shot) -> str:
     return f"{moment.name}, step {moment.step}"
 
 
@@ -130,7 +130,7 @@ def film_picture(episode: Episode, frames: Sequence[Frame], suffix: str) -> byte
 
 
 def write_film(
-    path: Path, episode: Episode, schema: Schema, shown: Sequence[Moment], shoot: Callable[[int], bytes]
+    path: Path, episode: Episode, schema: Schema, shown: Sequence[Shot], shoot: Callable[[int], bytes]
 ) -> None:
     """Draw ``shown`` with ``shoot``, which gives a JPEG of the state at a step, into an HTML page or a picture.
 

@@ -69,35 +69,35 @@ def _open(given: str | None, ontology: list[str]) -> Trace:
 
 def _query(options: argparse.Namespace) -> int:
     """Ask a trace with SPARQL; all graphs are asked together, and the project's prefixes need no declaration."""
-    from runtime.trace.asking import query  # noqa: PLC0415 - keeps `onto --help` quick
+    from runtime.trace.output import query  # noqa: PLC0415 - keeps `onto --help` quick
 
     return query(options, lambda given: _open(given, options.ontology))
 
 
 def _list(options: argparse.Namespace) -> int:
     """List the recorded episodes with their outcomes, numbered for `onto trace show`."""
-    from runtime.trace.asking import listing  # noqa: PLC0415 - keeps `onto --help` quick
+    from runtime.trace.output import listing  # noqa: PLC0415 - keeps `onto --help` quick
 
     return listing(_open(options.trace, options.ontology), options.format)
 
 
 def _show(options: argparse.Namespace) -> int:
     """Tell one episode in sentences: fact, diagnosis, route, application, verification."""
-    from runtime.trace.asking import show  # noqa: PLC0415 - keeps `onto --help` quick
+    from runtime.trace.output import show  # noqa: PLC0415 - keeps `onto --help` quick
 
     return show(_open(options.trace, options.ontology), options.episode, options.format, options.ontology)
 
 
 def _explain(options: argparse.Namespace) -> int:
     """Tell one episode with the reasons: each rule with its place, and the routes that would have done as well."""
-    from runtime.trace.asking import explain  # noqa: PLC0415 - keeps `onto --help` quick
+    from runtime.trace.output import explain  # noqa: PLC0415 - keeps `onto --help` quick
 
     return explain(_open(options.trace, options.ontology), options.episode, options.format, options.ontology)
 
 
 def _export(options: argparse.Namespace) -> int:
     """Write a trace as TriG, N-Quads or JSON-LD, sorted: equal traces give equal bytes."""
-    from runtime.trace.asking import export  # noqa: PLC0415 - keeps `onto --help` quick
+    from runtime.trace.output import export  # noqa: PLC0415 - keeps `onto --help` quick
 
     return export(_open(options.trace, options.ontology), options.format, options.output)
 

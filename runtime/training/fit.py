@@ -39,7 +39,7 @@ def fit(
     schedule: Schedule,
     seed: int,
     kept: Path,
-    say: Callable[[int, float], None] = lambda _step, _loss: None,
+    log: Callable[[int, float], None] = lambda _step, _loss: None,
     source: str = "",
 ) -> None:
     """Minimise ``loss`` over the trainable weights of ``module``, in place; ``kept`` is where an interrupted run lies.
@@ -65,7 +65,7 @@ def fit(
         torch.nn.utils.clip_grad_norm_(trained.values(), 1.0, error_if_nonfinite=False)
         optimiser.step()
         if step % 100 == 99 or step == schedule.steps - 1:
-            say(step + 1, float(found.detach()))
+            log(step + 1, float(found.detach()))
         if time.monotonic() - written > _KEPT_EVERY or step == schedule.steps - 1:
             save(kept, _state(trained, optimiser, step + 1), about)
             written = time.monotonic()

@@ -97,7 +97,7 @@ def encoded(
     encoder: Encoder,
     kept: Path,
     source: DataclassInstance,
-    say: Callable[[str], None],
+    log: Callable[[str], None],
 ) -> Features:
     """Features (N, D) of the pictures that ``draw`` has of ``states`` (N, P), read from ``kept`` where they lie there.
 
@@ -120,7 +120,7 @@ def encoded(
         if done % (_CHUNK * 8) == 0 or done == len(states):
             held.flush()
             note.write_text(json.dumps({"key": key, "done": done}))
-            say(f"{done:,} of {len(states):,} pictures")
+            log(f"{done:,} of {len(states):,} pictures")
     return held
 
 

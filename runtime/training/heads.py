@@ -20,7 +20,7 @@ from grounding.world_model.events import EventHead
 from grounding.world_model.facts import FactHead
 from runtime.training.frames import HORIZON, Frames, generator_of, segments
 
-__all__ = ["Ends", "Labels", "Sampler", "event_loss", "fact_loss"]
+__all__ = ["LabelFunctions", "RolloutEnds", "RolloutSampler", "event_loss", "fact_loss"]
 
 _SEGMENTS = 64
 _NEAR = 64
@@ -33,7 +33,7 @@ Distances = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.floa
 
 
 @dataclass(frozen=True, slots=True)
-class Labels:
+class LabelFunctions:
     """The simulator's word: ``margins`` of states and goals (B, P) to (B, F), ``remaining`` metres of way to (B,).
 
     ``success``, ``valid``: which columns of the margins say, by their sign, that the task succeeds and that a state is
@@ -47,7 +47,7 @@ class Labels:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ends:
+class RolloutEnds:
     """Rows of a batch: what a head reads of them, and what is true of them."""
 
     features: torch.Tensor
@@ -67,17 +67,17 @@ class Ends:
         return self.features, self.proprio, self.goal_features, self.goal_proprio, self.spread, self.sensed
 
 
-class Sampler:
-    """Draws :class:`Ends`; ``sensed`` (P,) is what is left where velocity is not sensed."""
+class RolloutSampler:
+    """Draws :class:`RolloutEnds`; ``sensed`` (P,) is what is left where velocity is not sensed."""
 
-    def __init__(self, dynamics: Dynamics, frames: Frames, labels: Labels, sensed: torch.Tensor) -> None:
+    def __init__(self, dynamics: Dynamics, frames: Frames, labels: LabelFunctions, sensed: torch.Tensor) -> None:
         self.dynamics, self.frames, self.labels, self.sensed = dynamics, frames, labels, sensed
         size = frames.states.shape[-1]
         self._marks = frames.marks.reshape(-1, size)
         self._looks = np.asarray(frames.features).reshape(-1, frames.features.shape[-1])
 
     @torch.no_grad()  # type: ignore[untyped-decorator]
-    def ends(self, random: np.random.Generator, count: int = _SEGMENTS, *, blind: bool | None = None) -> Ends:
+    def ends(self, random: np.random.Generator, count: int = _SEGMENTS, *, blind: bool | None = None) -> RolloutEnds:
         """``count`` pieces, each with an end after every macro step: imagined by all members, and true.
 
         ``blind``: whether velocity is not sensed; drawn where it is None.
@@ -111,7 +111,7 @@ class Sampler:
         mismatch = ((all_looks - again(true_looks)) / dynamics.feature_scale).square().mean(dim=-1).sqrt()
         goals, goal_features = frames.tensor(goal), frames.tensor(goal_looks)
         doubts = every(doubt.expand(members, -1), torch.zeros_like(doubt))
-        return Ends(
+        return RolloutEnds(
             all_looks, all_proprio, again(goal_features), again(goals), doubts, known.expand(len(all_proprio), -1),
             again(margins.float()), again(remaining.float()), error, mismatch,
         )  # fmt: skip
@@ -142,7 +142,7 @@ class Sampler:
         return goal, self._looks[row]
 
 
-def fact_loss(head: FactHead, sampler: Sampler) -> Callable[[torch.Generator], torch.Tensor]:
+def fact_loss(head: FactHead, sampler: RolloutSampler) -> Callable[[torch.Generator], torch.Tensor]:
     """The error of the margins, and the cross entropy of the truth that their signs tell."""
 
     def loss(random: torch.Generator) -> torch.Tensor:
@@ -154,7 +154,7 @@ def fact_loss(head: FactHead, sampler: Sampler) -> Callable[[torch.Generator], t
     return loss
 
 
-def event_loss(head: EventHead, sampler: Sampler) -> Callable[[torch.Generator], torch.Tensor]:
+def event_loss(head: EventHead, sampler: RolloutSampler) -> Callable[[torch.Generator], torch.Tensor]:
     """The errors of all events."""
     labels = sampler.labels
 

@@ -20,14 +20,14 @@ from runtime.training.fit import Schedule, fit
 from runtime.training.frames import Frames
 from runtime.training.motion import appearance_loss, estimate_loss, motion_loss
 
-__all__ = ["Fitter", "Place", "Say", "head_parameters"]
+__all__ = ["Fitter", "Log", "TrainingDir", "head_parameters"]
 
-Say = Callable[[str], None]
+Log = Callable[[str], None]
 _PARTS = {"dynamics": ("motion", "appearance", "estimate"), "events": ("events",), "facts": ("facts",)}
 
 
 @dataclass(frozen=True)
-class Place:
+class TrainingDir:
     """Where a training lies: its checkpoints in ``folder``; it computes on ``device``, a GPU where there is one."""
 
     folder: Path
@@ -43,9 +43,9 @@ class Place:
 class Fitter:
     """Fits what ``card`` tells of, by its seed; an interrupted fit, and one that is done, lie in ``place``."""
 
-    place: Place
+    place: TrainingDir
     card: Card
-    say: Say
+    log: Log
 
     def fit(
         self, name: str, part: torch.nn.Module, loss: Callable[[torch.Generator], torch.Tensor], schedule: Schedule
@@ -54,7 +54,7 @@ class Fitter:
 
         def told(step: int, found: float) -> None:
             if step % 500 == 0:
-                self.say(f"{name}: step {step:,}, loss {found:.4f}")
+                self.log(f"{name}: step {step:,}, loss {found:.4f}")
 
         source = json.dumps([self.card.data, self.card.encoder], sort_keys=True)
         fit(part, loss, schedule, self.card.seed or 0, self.place.unfinished / name, told, source)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from grounding.predicates import registry
 from grounding.predicates.boxes import box_distance
-from grounding.predicates.contact import Contact
+from grounding.predicates.contact import ContactTerm
 from grounding.scenes import Scene
 from grounding.sim import SimGrounder
 from onto_compiler.compile_schema import load_schema
@@ -200,14 +200,14 @@ def test_a_block_at_rest_in_its_region_has_the_margin_of_the_nearest_side(model,
 
 
 def test_apart_the_contact_margin_is_minus_the_gap(model, scene):
-    contact = Contact(scene, "block_1", "ball_1")
+    contact = ContactTerm(scene, "block_1", "ball_1")
     term = contact(state(model, scene, block_1=(0, 0, 1), ball_1=(0.1, 0, 1)))
     assert not term.holds
     assert term.margin == pytest.approx(-0.04, abs=1e-6)
 
 
 def test_touching_the_contact_margin_is_the_depth(model, scene):
-    contact = Contact(scene, "block_1", "ball_1")
+    contact = ContactTerm(scene, "block_1", "ball_1")
     term = contact(state(model, scene, block_1=(0, 0, 1), ball_1=(0.058, 0, 1)))
     assert term.holds
     assert term.margin == pytest.approx(0.002, abs=1e-6)
@@ -219,7 +219,7 @@ def test_touching_the_contact_margin_is_the_depth(model, scene):
 def test_the_gap_to_boxes_is_the_smallest_over_all_pairs(where, slide):
     scene = Scene(MODEL)
     data = state(MODEL, scene, block_1=where, cabinet_1_slide=slide)
-    contact = Contact(scene, "block_1", "cabinet_1")
+    contact = ContactTerm(scene, "block_1", "cabinet_1")
     term = contact(data)
     block, capsule = MODEL.geom("block_1_g0").id, MODEL.geom("cabinet_1_g2").id
     boxes = [box(data, block, MODEL.geom(f"cabinet_1_g{i}").id) for i in (0, 1)]

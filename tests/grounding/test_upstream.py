@@ -132,7 +132,7 @@ def test_the_gap_between_objects_is_the_smallest_over_all_their_boxes():
     import mujoco
 
     from grounding.predicates.boxes import box_distance
-    from grounding.predicates.contact import Contact
+    from grounding.predicates.contact import ContactTerm
     from grounding.scenes import Scene
     from runtime.worlds.libero.simulator.assets import find_task
     from runtime.worlds.libero.simulator.native import NativeTask
@@ -140,7 +140,7 @@ def test_the_gap_between_objects_is_the_smallest_over_all_their_boxes():
     rng = np.random.default_rng(3)
     with NativeTask.open(find_task("libero_goal", 9)) as native:
         model, data, scene = native.model, native.data, Scene(native.model)
-        contact = Contact(scene, "wine_bottle_1", "wine_rack_1")
+        contact = ContactTerm(scene, "wine_bottle_1", "wine_rack_1")
         geoms = [scene.contact_geoms(name) for name in ("wine_bottle_1", "wine_rack_1")]
         assert all((model.geom_type[ids] == mujoco.mjtGeom.mjGEOM_BOX).all() for ids in geoms)
         apart = 0

@@ -28,7 +28,7 @@ from onto_compiler.schema import Schema, local_name
 from runtime.worlds.pointmaze.maze import RADIUS, TARGET, Maze
 from runtime.worlds.pointmaze.rollout import checked_states
 
-__all__ = ["Labels", "MazeFacts", "place", "required_facts", "task_file"]
+__all__ = ["MazeFacts", "StateLabels", "place", "required_facts", "task_file"]
 
 _TASKS = Path(__file__).parent / "tasks"
 Margin: TypeAlias = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
@@ -58,7 +58,7 @@ def place(data: mujoco.MjData, maze: Maze, state: NDArray[np.floating], goal: ND
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Labels:
+class StateLabels:
     """Of states (...) and F required facts: ``truth`` and signed ``margin``, each (..., F), in the TBox's units."""
 
     truth: NDArray[np.bool_]
@@ -83,7 +83,7 @@ class MazeFacts:
         place(self._data, self.maze, state, goal)
         return self._grounder.observe(self._data, step)
 
-    def label(self, states: NDArray[np.floating], goals: NDArray[np.floating]) -> Labels:
+    def label(self, states: NDArray[np.floating], goals: NDArray[np.floating]) -> StateLabels:
         """Truth and margin of every fact in ``states`` (..., 4), each for its goal of ``goals`` (4,) or (..., 4).
 
         They are those of :meth:`observe`. Raises ``PMZ003``, ``PMZ004`` as it does.
@@ -91,7 +91,7 @@ class MazeFacts:
         here, there = np.broadcast_arrays(checked_states(states), checked_states(goals))
         walls = self.maze.wall_boxes
         margin = np.stack([of(here, there, walls) for of in self._margins], axis=-1)
-        return Labels(margin > 0.0, margin)
+        return StateLabels(margin > 0.0, margin)
 
 
 def _margin(fact: Fact, schema: Schema) -> Margin:

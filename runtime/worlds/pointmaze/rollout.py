@@ -3,7 +3,7 @@
 One environment step clips each velocity to :data:`~runtime.worlds.pointmaze.maze.MAX_SPEED`, holds a force for
 :data:`~runtime.worlds.pointmaze.maze.FRAME_SKIP` steps of MuJoCo, and is a function of state and action alone: the
 solver starts cold at each environment step, so that a rollout of ten steps is one of five and then another of five.
-Where the ball is near no wall the step is written out (:mod:`runtime.worlds.pointmaze.coast`); MuJoCo takes the
+Where the ball is near no wall the step is written out (:mod:`runtime.worlds.pointmaze.free_motion`); MuJoCo takes the
 others.
 """
 
@@ -15,7 +15,7 @@ from mujoco import rollout as batched
 from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError
-from runtime.worlds.pointmaze.coast import Coasting
+from runtime.worlds.pointmaze.free_motion import FreeMotion
 from runtime.worlds.pointmaze.maze import ACTION_DIM, FRAME_SKIP, MAX_SPEED, STATE_DIM, Maze
 
 __all__ = ["Rollout", "checked_actions", "checked_states"]
@@ -30,7 +30,7 @@ class Rollout:
     def __init__(self, maze: Maze, threads: int = 1) -> None:
         self.maze = maze
         self._model = maze.model
-        self._coasting = Coasting(maze)
+        self._coasting = FreeMotion(maze)
         self._data = [mujoco.MjData(self._model) for _ in range(max(threads, 1))]
         self._pool = batched.Rollout(nthread=threads if threads > 1 else 0)
 

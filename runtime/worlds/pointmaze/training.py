@@ -24,9 +24,9 @@ from onto_compiler.knowledge import load_knowledge
 from onto_compiler.schema import local_name
 from runtime.training.fit import Schedule
 from runtime.training.frames import HORIZON, Frames, encoded
-from runtime.training.heads import Ends, Labels, Sampler, event_loss, fact_loss
+from runtime.training.heads import LabelFunctions, RolloutEnds, RolloutSampler, event_loss, fact_loss
 from runtime.training.measures import auroc, calibration_error
-from runtime.training.stages import Fitter, Place, Say, head_parameters
+from runtime.training.stages import Fitter, Log, TrainingDir, head_parameters
 from runtime.worlds.pointmaze.geodesic import Geodesic
 from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
 from runtime.worlds.pointmaze.maze import MACRO_STEPS, MAX_SPEED, STATE_DIM, Maze, maze_named
@@ -34,14 +34,14 @@ from runtime.worlds.pointmaze.picture import draw
 from runtime.worlds.pointmaze.planning.sensing import POSITION
 from runtime.worlds.pointmaze.trajectories import Split, Trajectories, collect
 
-__all__ = ["Course", "train"]
+__all__ = ["MazeTrainingConfig", "train"]
 
 _TEST = 200
 """Trajectories of the test split, which the figures on a card are measured on."""
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class MazeTrainingConfig:
     """What decides a training, every number of it."""
 
     maze: str = "u_maze"
@@ -62,7 +62,9 @@ class Course:
         return asdict(self)
 
 
-def train(stage: str, course: Course, place: Place, command: str, commit: str, say: Say) -> Mapping[str, float]:
+def train(
+    stage: str, config: MazeTrainingConfig, place: TrainingDir, command: str, commit: str, log: Log
+) -> Mapping[str, float]:
     """Train one of :data:`runtime.training.STAGES`, those before it lying in ``place``; returns its card's metrics.
 
     An interrupted stage goes on where it stopped.
@@ -71,28 +73,28 @@ def train(stage: str, course: Course, place: Place, command: str, commit: str, s
         OntoError: ``WM001`` ff. where an earlier stage's checkpoint is missing or damaged, ``WM006`` where the folder
             cannot be written.
     """
-    torch.manual_seed(course.seed)
-    card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
+    torch.manual_seed(config.seed)
+    card = Card("", data=config.data, seed=config.seed, command=command, commit=commit)
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
-    metrics = makers[stage](course, place, card, say)
-    Fitter(place, card, say).forget(stage)
+    metrics = makers[stage](config, place, card, log)
+    Fitter(place, card, log).forget(stage)
     return metrics
 
 
-def _projection(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
-    maze, base = maze_named(course.maze), encoder(course.encoder, place.device)
-    found = _trajectories(course, "train")
-    raw = _pictures(maze, found, base, place, say)
-    projection = fit_projection(np.asarray(raw[:: max(len(raw) // 10_000, 1)]), min(course.components, raw.shape[1]))
+def _projection(config: MazeTrainingConfig, place: TrainingDir, card: Card, log: Log) -> Mapping[str, float]:
+    maze, base = maze_named(config.maze), encoder(config.encoder, place.device)
+    found = _trajectories(config, "train")
+    raw = _pictures(maze, found, base, place, log)
+    projection = fit_projection(np.asarray(raw[:: max(len(raw) // 10_000, 1)]), min(config.components, raw.shape[1]))
     metrics = {"variance_kept": projection.share}
     about = replace(card, sees="pixels", metrics=metrics)
     save_projection(place.folder / FILES["projection"], Projected(base, projection), about)
     return metrics
 
 
-def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
+def _dynamics(config: MazeTrainingConfig, place: TrainingDir, card: Card, log: Log) -> Mapping[str, float]:
     seen = load_projected(place.folder / FILES["projection"], place.device)
-    frames = _frames(course, "train", seen, place, say)
+    frames = _frames(config, "train", seen, place, log)
     places = frames.states[..., :2].reshape(-1, 2).astype(np.float64)
     low, high = places.min(axis=0), places.max(axis=0)
     middle, half = ((low + high) / 2).round(2).tolist(), round(float((high - low).max() / 2), 2)
@@ -101,7 +103,7 @@ def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str
         "scale": [half, half, MAX_SPEED, MAX_SPEED],
         "bound": [1e6, 1e6, MAX_SPEED, MAX_SPEED],
         "actions": frames.actions.shape[-1],
-        "members": course.members,
+        "members": config.members,
     }
     parameters: dict[str, Any] = {
         "motion": motion,
@@ -111,13 +113,13 @@ def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str
     }
     network = Dynamics(**parameters).to(place.device)
     schedules = {
-        "motion": Schedule(course.motion),
-        "appearance": Schedule(course.appearance, rate=1e-3),
-        "estimate": Schedule(course.estimate),
+        "motion": Schedule(config.motion),
+        "appearance": Schedule(config.appearance, rate=1e-3),
+        "estimate": Schedule(config.estimate),
     }
     card = replace(card, encoder=seen.identity)
-    Fitter(place, card, say).dynamics(network, frames, torch.tensor(POSITION, device=place.device), schedules)
-    metrics = _imagining(network, _frames(course, "test", seen, place, say))
+    Fitter(place, card, log).dynamics(network, frames, torch.tensor(POSITION, device=place.device), schedules)
+    metrics = _imagining(network, _frames(config, "test", seen, place, log))
     about = replace(
         card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, sees="pixels, proprioception",
         metrics=metrics,
@@ -126,11 +128,11 @@ def _dynamics(course: Course, place: Place, card: Card, say: Say) -> Mapping[str
     return metrics
 
 
-def _events(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
-    sampler, parameters, card = _for_heads(course, place, "train", card, say)
+def _events(config: MazeTrainingConfig, place: TrainingDir, card: Card, log: Log) -> Mapping[str, float]:
+    sampler, parameters, card = _for_heads(config, place, "train", card, log)
     head = EventHead(**parameters).to(place.device)
-    Fitter(place, card, say).fit("events", head, event_loss(head, sampler), Schedule(course.heads))
-    ends = _tested(course, place, say)
+    Fitter(place, card, log).fit("events", head, event_loss(head, sampler), Schedule(config.heads))
+    ends = _tested(config, place, log)
     found = head(*ends.read)
     success = (ends.margins[:, sampler.labels.success] > 0).cpu().numpy()
     clear = (ends.margins[:, sampler.labels.valid] > 0).cpu().numpy()
@@ -146,13 +148,13 @@ def _events(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, 
     return metrics
 
 
-def _facts(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, float]:
-    sampler, parameters, card = _for_heads(course, place, "train", card, say)
+def _facts(config: MazeTrainingConfig, place: TrainingDir, card: Card, log: Log) -> Mapping[str, float]:
+    sampler, parameters, card = _for_heads(config, place, "train", card, log)
     names = [local_name(fact.predicate) for fact in required_facts(load_knowledge()).facts]
     parameters = {"facts": names, **parameters}
     head = FactHead(**parameters).to(place.device)
-    Fitter(place, card, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.heads))
-    ends = _tested(course, place, say)
+    Fitter(place, card, log).fit("facts", head, fact_loss(head, sampler), Schedule(config.heads))
+    ends = _tested(config, place, log)
     margin, logit = head(*ends.read)
     truth, score = (ends.margins > 0).cpu().numpy(), logit.sigmoid().cpu().numpy()
     metrics: dict[str, float] = {}
@@ -168,32 +170,32 @@ def _facts(course: Course, place: Place, card: Card, say: Say) -> Mapping[str, f
 
 
 def _for_heads(
-    course: Course, place: Place, split: Split, card: Card, say: Say
-) -> tuple[Sampler, dict[str, Any], Card]:
+    config: MazeTrainingConfig, place: TrainingDir, split: Split, card: Card, log: Log
+) -> tuple[RolloutSampler, dict[str, Any], Card]:
     """What draws a head's batches, what builds a head, and a card that names what it was trained on."""
     seen, network, found = load_dynamics(place.folder, place.device)
     knowledge = load_knowledge()
-    facts = MazeFacts(maze_named(course.maze), required_facts(knowledge), knowledge)
+    facts = MazeFacts(maze_named(config.maze), required_facts(knowledge), knowledge)
     names = [local_name(fact.predicate) for fact in facts.required.facts]
-    labels = Labels(
+    labels = LabelFunctions(
         lambda states, goals: facts.label(states, goals).margin,
         Geodesic(facts.maze).distance,
         names.index("at_target"),
         names.index("free_of"),
     )
-    frames = _frames(course, split, seen, place, say)
+    frames = _frames(config, split, seen, place, log)
     parameters = head_parameters(network, found.card.parameters["motion"])
     about = replace(
         card, data={**card.data, "dynamics": found.identity}, encoder=seen.identity,
         sees="pixels, proprioception; labels of privileged-state",
     )  # fmt: skip
-    return Sampler(network, frames, labels, torch.tensor(POSITION, device=place.device)), parameters, about
+    return RolloutSampler(network, frames, labels, torch.tensor(POSITION, device=place.device)), parameters, about
 
 
-def _tested(course: Course, place: Place, say: Say) -> Ends:
+def _tested(config: MazeTrainingConfig, place: TrainingDir, log: Log) -> RolloutEnds:
     """Ends of the test split, all sensed."""
-    sampler, _, _ = _for_heads(course, place, "test", Card(""), say)
-    ends: Ends = sampler.ends(np.random.default_rng(course.seed), 2000, blind=False)
+    sampler, _, _ = _for_heads(config, place, "test", Card(""), log)
+    ends: RolloutEnds = sampler.ends(np.random.default_rng(config.seed), 2000, blind=False)
     return ends
 
 
@@ -214,19 +216,19 @@ def _imagining(network: Dynamics, frames: Frames) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _trajectories(course: Course, split: Split) -> Trajectories:
-    count = course.trajectories if split == "train" else _TEST
-    return collect(maze_named(course.maze), count, course.steps, course.seed, split)
+def _trajectories(config: MazeTrainingConfig, split: Split) -> Trajectories:
+    count = config.trajectories if split == "train" else _TEST
+    return collect(maze_named(config.maze), count, config.steps, config.seed, split)
 
 
-def _pictures(maze: Maze, found: Trajectories, base: Any, place: Place, say: Say) -> np.ndarray:  # noqa: ANN401
+def _pictures(maze: Maze, found: Trajectories, base: Any, place: TrainingDir, log: Log) -> np.ndarray:  # noqa: ANN401
     states = found.states[:, ::MACRO_STEPS].reshape(-1, STATE_DIM)
     kept = place.unfinished / f"features.{found.source.split}.npy"
-    return encoded(states, lambda rows: draw(maze, rows, base.size), base, kept, found.source, say)
+    return encoded(states, lambda rows: draw(maze, rows, base.size), base, kept, found.source, log)
 
 
-def _frames(course: Course, split: Split, seen: Projected, place: Place, say: Say) -> Frames:
-    found = _trajectories(course, split)
-    raw = _pictures(maze_named(course.maze), found, seen.encoder, place, say)
+def _frames(config: MazeTrainingConfig, split: Split, seen: Projected, place: TrainingDir, log: Log) -> Frames:
+    found = _trajectories(config, split)
+    raw = _pictures(maze_named(config.maze), found, seen.encoder, place, log)
     features = seen.projection(np.asarray(raw)).reshape(len(found.states), -1, *seen.shape)
     return Frames(found.states.astype(np.float32), found.actions.astype(np.float32), features, place.device)

@@ -22,7 +22,7 @@ from onto_compiler.problems import OntoError
 from runtime.worlds.pointmaze.maze import ACTION_DIM, STATE_DIM, Maze
 from runtime.worlds.pointmaze.rollout import Rollout
 
-__all__ = ["Source", "Split", "Trajectories", "collect", "load"]
+__all__ = ["Split", "Trajectories", "TrajectoryConfig", "collect", "load"]
 
 Split = Literal["train", "validation", "test"]
 _TAG = 0x0D1A0
@@ -38,7 +38,7 @@ _CHUNK = 500
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class TrajectoryConfig:
     """What decides trajectories, every number of them."""
 
     maze: str
@@ -54,7 +54,7 @@ class Trajectories:
 
     states: NDArray[np.float64]
     actions: NDArray[np.float64]
-    source: Source
+    source: TrajectoryConfig
 
     def save(self, path: Path) -> None:
         """Write a compressed ``.npz``; raises ``OntoError`` PMZ006 where ``path`` cannot be written."""
@@ -85,7 +85,7 @@ def collect(
         rows = slice(numbers.start, numbers.stop)
         actions[rows] = [pushes for _, pushes in drawn]
         states[rows] = rollout.states(np.array([start for start, _ in drawn]), actions[rows])
-    return Trajectories(states, actions, Source(maze.name, split, seed, count, steps))
+    return Trajectories(states, actions, TrajectoryConfig(maze.name, split, seed, count, steps))
 
 
 def load(path: Path) -> Trajectories:
@@ -94,7 +94,7 @@ def load(path: Path) -> Trajectories:
         with np.load(path, allow_pickle=False) as file:
             card = json.loads(str(file["card"]))
             made_by = card.pop("mujoco")
-            found = Trajectories(file["states"], file["actions"], Source(**card))
+            found = Trajectories(file["states"], file["actions"], TrajectoryConfig(**card))
     except (OSError, EOFError, ValueError, KeyError, TypeError, AttributeError, zipfile.BadZipFile) as error:
         raise OntoError.of("PMZ006", f"no trajectories can be read from it: {error}", file=str(path)) from None
     count, steps = found.source.count, found.source.steps

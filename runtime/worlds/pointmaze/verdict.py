@@ -15,11 +15,11 @@ from grounding.predicates.planar import apart
 from runtime.worlds.pointmaze.maze import SUCCESS_RADIUS
 from runtime.worlds.pointmaze.rollout import checked_states
 
-__all__ = ["Verdict", "judge"]
+__all__ = ["StateVerdict", "judge"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Verdict:
+class StateVerdict:
     """Of states (...): whether each is a success, and its distance from the goal, whole and in parts."""
 
     success: NDArray[np.bool_]
@@ -28,7 +28,7 @@ class Verdict:
     velocity: NDArray[np.float64]  # metres per second
 
 
-def judge(states: NDArray[np.floating], goal: NDArray[np.floating]) -> Verdict:
+def judge(states: NDArray[np.floating], goal: NDArray[np.floating]) -> StateVerdict:
     """Compare ``states`` (..., 4) with ``goal`` (4,) or goals (..., 4).
 
     Raises ``OntoError`` PMZ003 for other shapes, PMZ004 for numbers that are not finite.
@@ -36,4 +36,4 @@ def judge(states: NDArray[np.floating], goal: NDArray[np.floating]) -> Verdict:
     ended, wanted = checked_states(states), checked_states(goal)
     position, velocity = apart(ended[..., :2], wanted[..., :2]), apart(ended[..., 2:], wanted[..., 2:])
     distance = np.asarray(np.linalg.norm(ended - wanted, axis=-1))
-    return Verdict(np.asarray(position < SUCCESS_RADIUS), distance, position, velocity)
+    return StateVerdict(np.asarray(position < SUCCESS_RADIUS), distance, position, velocity)

@@ -12,7 +12,7 @@ from grounding.world_model.dynamics import Dynamics, History, spread
 from grounding.world_model.events import EventHead
 from grounding.world_model.facts import FactHead
 from grounding.world_model.motion import Motion
-from grounding.world_model.pred import Goal, PredGrounder
+from grounding.world_model.pred import ObservedGoal, PredGrounder
 from onto_compiler.problems import OntoError
 from onto_compiler.required import Entity, Fact, NativeAtom
 
@@ -135,7 +135,7 @@ def test_margin_and_score_of_a_fact_agree_in_sign():
 
 def test_predicted_facts_come_in_the_order_of_the_task():
     network, model = head(), dynamics()
-    goal = Goal(torch.rand(FEATURES), torch.rand(4), SENSED)
+    goal = ObservedGoal(torch.rand(FEATURES), torch.rand(4), SENSED)
     imagined = model.imagine(torch.rand(FEATURES), torch.rand(4), torch.rand(7, 3, 5, 2))
     forth = PredGrounder(network, [fact("at_target"), fact("free_of")]).ground(imagined, goal)
     back = PredGrounder(network, [fact("free_of"), fact("at_target")]).ground(imagined, goal)
@@ -152,7 +152,7 @@ def test_a_fact_without_evidence_is_predicted_neither_way():
     imagined = dynamics().imagine(torch.rand(FEATURES), torch.rand(4), torch.rand(7, 3, 5, 2))
     facts = [fact("at_target"), fact("free_of")]
     found = PredGrounder(head(), facts, observed=[False, True]).ground(
-        imagined, Goal(torch.rand(FEATURES), torch.rand(4), BLIND)
+        imagined, ObservedGoal(torch.rand(FEATURES), torch.rand(4), BLIND)
     )
     seen = found.observation(0, step=15)
     assert seen.observed.tolist() == [False, True]

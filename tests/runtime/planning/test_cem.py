@@ -7,7 +7,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from runtime.planning.cem import Budget, Found, Judge, Region, Sampling, coloured, search
+from runtime.planning.cem import Budget, Candidate, Judge, Sampling, SamplingDistribution, coloured, search
 
 WANTED = torch.linspace(-0.8, 0.8, 20).reshape(10, 2)
 
@@ -21,7 +21,7 @@ def seeded(seed: int = 0) -> torch.Generator:
 
 
 def test_it_finds_the_bottom_of_a_bowl():
-    start = Region.everywhere(10, 2, Sampling())
+    start = SamplingDistribution.everywhere(10, 2, Sampling())
     few = search(bowl, start, Budget(iterations=3), Sampling(), seeded())
     many = search(bowl, start, Budget(iterations=30), Sampling(), seeded())
     assert many.cost < 0.05 < few.cost
@@ -33,15 +33,17 @@ def test_it_finds_the_bottom_of_a_bowl():
 def test_more_iterations_are_never_worse(kept: int):
     sampling = Sampling(kept=kept)
     costs = [
-        search(bowl, Region.everywhere(10, 2, sampling), Budget(50, 10, n), sampling, seeded()).cost
+        search(bowl, SamplingDistribution.everywhere(10, 2, sampling), Budget(50, 10, n), sampling, seeded()).cost
         for n in (1, 2, 4, 8)
     ]
     assert costs == sorted(costs, reverse=True)
 
 
 def test_what_is_known_is_not_lost():
-    known = Found(WANTED, 0.0, 1, Region.everywhere(10, 2, Sampling()))
-    found = search(bowl, Region.everywhere(10, 2, Sampling()), Budget(20, 5, 1), Sampling(), seeded(), known)
+    known = Candidate(WANTED, 0.0, 1, SamplingDistribution.everywhere(10, 2, Sampling()))
+    found = search(
+        bowl, SamplingDistribution.everywhere(10, 2, Sampling()), Budget(20, 5, 1), Sampling(), seeded(), known
+    )
     assert torch.equal(found.actions, WANTED)
 
 
@@ -52,7 +54,7 @@ def test_a_judge_has_the_last_iteration_and_the_last_word():
         asked.append(actions)
         return -bowl(actions)
 
-    start, budget = Region.everywhere(10, 2, Sampling()), Budget(50, 10, 4)
+    start, budget = SamplingDistribution.everywhere(10, 2, Sampling()), Budget(50, 10, 4)
     found = search(bowl, start, budget, Sampling(), seeded(), judge=Judge(second, 16))
     short = search(bowl, start, Budget(50, 10, 3), Sampling(), seeded())
     (finalists,) = asked
@@ -64,18 +66,29 @@ def test_a_judge_has_the_last_iteration_and_the_last_word():
 
 
 def test_what_is_known_comes_before_the_judge():
-    start, known = Region.everywhere(10, 2, Sampling()), Found(WANTED, 0.0, 1, Region.everywhere(10, 2, Sampling()))
+    start, known = (
+        SamplingDistribution.everywhere(10, 2, Sampling()),
+        Candidate(WANTED, 0.0, 1, SamplingDistribution.everywhere(10, 2, Sampling())),
+    )
     found = search(bowl, start, Budget(20, 5, 2), Sampling(), seeded(), known, Judge(bowl, 16))
     assert torch.equal(found.actions, WANTED)
 
 
 def test_a_judge_needs_an_iteration_of_its_own():
     with pytest.raises(ValueError, match="one more where there is a judge"):
-        search(bowl, Region.everywhere(10, 2, Sampling()), Budget(20, 5, 1), Sampling(), seeded(), None, Judge(bowl, 1))
+        search(
+            bowl,
+            SamplingDistribution.everywhere(10, 2, Sampling()),
+            Budget(20, 5, 1),
+            Sampling(),
+            seeded(),
+            None,
+            Judge(bowl, 1),
+        )
 
 
 def test_the_same_seed_finds_the_same_plan():
-    start = Region.everywhere(10, 2, Sampling())
+    start = SamplingDistribution.everywhere(10, 2, Sampling())
     one, other = (search(bowl, start, Budget(50, 10, 3), Sampling(), seeded(7)) for _ in range(2))
     assert torch.equal(one.actions, other.actions)
 
@@ -87,7 +100,9 @@ def test_every_candidate_is_an_action():
         seen.append(actions)
         return bowl(actions)
 
-    search(cost, Region(torch.full((10, 2), 0.9), torch.ones(10, 2)), Budget(50, 10, 3), Sampling(), seeded())
+    search(
+        cost, SamplingDistribution(torch.full((10, 2), 0.9), torch.ones(10, 2)), Budget(50, 10, 3), Sampling(), seeded()
+    )
     assert len(seen) == 3
     assert all(bool((actions.abs() <= 1).all()) for actions in seen)
 

@@ -12,13 +12,13 @@ import torch
 from grounding.observation import Observation
 from grounding.world_model.dynamics import Dynamics, History
 from grounding.world_model.facts import FactHead
-from grounding.world_model.pred import Goal, PredGrounder, Predicted
+from grounding.world_model.pred import ObservedGoal, PredGrounder, Predicted
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import local_name
 from runtime.loop.diagnosis import diagnose
 from runtime.loop.routed import load_routed
-from runtime.planning.cem import Budget, Found, Region, Sampling
+from runtime.planning.cem import Budget, Candidate, Sampling, SamplingDistribution
 from runtime.planning.guided import improve
 from runtime.planning.mechanisms import (
     _urging,
@@ -28,7 +28,7 @@ from runtime.planning.mechanisms import (
     resample_around_margin,
     waypoint,
 )
-from runtime.planning.question import COPIES, Question
+from runtime.planning.problem import COPIES, PlanningProblem
 from runtime.planning.scorers import Weighted, Weights
 from runtime.worlds.pointmaze.grounded import required_facts
 
@@ -47,22 +47,22 @@ class Stub:
     sampling: Sampling
     observed: tuple[bool, ...] = (True, True, True)
 
-    def judged(self, found: Found) -> tuple[Observation, float]:
+    def judged(self, found: Candidate) -> tuple[Observation, float]:
         margin = torch.full((len(NAMES),), float(found.actions[0, 0]))
         predicted = Predicted(margin, (margin > 0).float(), np.array(self.observed))
         return predicted.observation(step=len(found.actions)), found.cost
 
 
-def plan(value: float, cost: float = 1.0) -> Found:
+def plan(value: float, cost: float = 1.0) -> Candidate:
     actions = torch.full((25, 2), value)
-    return Found(actions, cost, 100, Region(actions, actions))
+    return Candidate(actions, cost, 100, SamplingDistribution(actions, actions))
 
 
 def stub() -> Stub:
     return Stub(Budget(), Sampling())
 
 
-def guided(first: Found, answers: dict[str, object], allowance: int = 1000, instead=None, question=None):
+def guided(first: Candidate, answers: dict[str, object], allowance: int = 1000, instead=None, question=None):
     return improve(question or stub(), first, REQUIRED, KNOWLEDGE, answers, allowance, torch.Generator(), instead)
 
 
@@ -107,7 +107,7 @@ def test_a_worse_plan_does_not_take_the_place_of_the_best():
 def test_a_control_draws_among_all_that_exist_and_passes_over_what_has_no_answer():
     asked = []
 
-    def named(name: str, answer: Found | None):
+    def named(name: str, answer: Candidate | None):
         def mechanism(*_):
             asked.append(name)
             return answer
@@ -147,7 +147,7 @@ def test_a_second_look_at_candidates_is_that_at_each_alone():
     asked = question()
     plans = torch.rand((3, 25, 2), generator=torch.Generator().manual_seed(1))
     found = asked.judge().cost(plans)
-    alone = [asked.judged(Found(each, 0.0, 0, Region(each, each)))[1] for each in plans]
+    alone = [asked.judged(Candidate(each, 0.0, 0, SamplingDistribution(each, each)))[1] for each in plans]
     assert found.tolist() == pytest.approx(alone, abs=1e-5)
     assert asked.judge(lambda imagined: imagined.proprio[0, :, -1, 0]).cost(plans).shape == (3,)
 
@@ -169,7 +169,7 @@ def test_a_plan_that_lacks_less_wins_over_a_cheaper_one():
 
 def test_a_longer_plan_must_make_more_facts_true():
     longer = [
-        Found(torch.full((50, 2), value), 0.1, 100, Region(torch.zeros(50, 2), torch.ones(50, 2)))
+        Candidate(torch.full((50, 2), value), 0.1, 100, SamplingDistribution(torch.zeros(50, 2), torch.ones(50, 2)))
         for value in (-0.1, 0.5)
     ]
     answers = iter(longer)
@@ -218,7 +218,7 @@ def test_every_registered_mechanism_serves_a_plan_route():
     assert set(found) == set(ROUTES)
 
 
-def question(longest: int = 10, features: float = 0.0, between: torch.Tensor | None = None) -> Question:
+def question(longest: int = 10, features: float = 0.0, between: torch.Tensor | None = None) -> PlanningProblem:
     torch.manual_seed(0)
     motion = {"centre": CENTRE, "scale": SCALE, "bound": [9.0] * 4, "actions": 2, "members": 2, "width": 16}
     dynamics = Dynamics(motion, 4, 1.0, width=16)
@@ -231,13 +231,13 @@ def question(longest: int = 10, features: float = 0.0, between: torch.Tensor | N
     sensed = torch.tensor([True] * 4)
     scorer = Weighted(Weights(proprio=1.0, margins={"at_target": 0.3}), dynamics, None, grounder)
     history = History(torch.full((4,), features), torch.rand(3, 4), torch.rand(2, 5, 2), sensed)
-    goal = Goal(torch.rand(4), torch.tensor([2.0, 1.0, 0.5, -0.5]), sensed)
-    return Question(dynamics, grounder, scorer, history, goal, Budget(40, 8, 4), Sampling(), longest, between)
+    goal = ObservedGoal(torch.rand(4), torch.tensor([2.0, 1.0, 0.5, -0.5]), sensed)
+    return PlanningProblem(dynamics, grounder, scorer, history, goal, Budget(40, 8, 4), Sampling(), longest, between)
 
 
-def worst(asked: Question) -> Found:
+def worst(asked: PlanningProblem) -> Candidate:
     actions = torch.full((25, 2), 0.9)
-    return Found(actions, float(asked.cost(actions[None])[0]), 0, Region(actions, actions))
+    return Candidate(actions, float(asked.cost(actions[None])[0]), 0, SamplingDistribution(actions, actions))
 
 
 @pytest.mark.parametrize("mechanism", [resample_around_margin, match_velocity, again])

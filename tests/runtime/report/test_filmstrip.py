@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from onto_compiler.problems import OntoError
-from runtime.report.filmstrip import Moment, moments, write_film
+from runtime.report.filmstrip import Shot, moments, write_film
 from tests.runtime.trace.samples import SCHEMA, accepted
 
 PIL = pytest.importorskip("PIL.Image")
@@ -23,10 +23,10 @@ def actions(*grippers):
 def test_an_attempt_is_shown_before_at_grasp_and_release_and_after():
     given = actions(*[-1] * 10, *[1] * 30, *[-1] * 5)
     assert moments(given, (0, 45)) == (
-        Moment(0, "before", 0),
-        Moment(0, "grasp", 20),
-        Moment(0, "release", 40),
-        Moment(0, "after", 45),
+        Shot(0, "before", 0),
+        Shot(0, "grasp", 20),
+        Shot(0, "release", 40),
+        Shot(0, "after", 45),
     )
 
 
@@ -48,7 +48,7 @@ def picture(step):
     return buffer.getvalue()
 
 
-SHOWN = (Moment(0, "before", 0), Moment(0, "grasp", 3), Moment(0, "after", 9))
+SHOWN = (Shot(0, "before", 0), Shot(0, "grasp", 3), Shot(0, "after", 9))
 
 
 def test_a_page_holds_every_picture_and_the_story(tmp_path):
@@ -67,14 +67,14 @@ def test_a_picture_has_a_row_for_each_attempt(tmp_path, suffix):
     width, height = PIL.open(path).size
     assert width == 3 * 64
     assert 48 < height < 2 * 48
-    write_film(path, accepted(), SCHEMA, (*SHOWN, Moment(1, "before", 9), Moment(1, "after", 20)), picture)
+    write_film(path, accepted(), SCHEMA, (*SHOWN, Shot(1, "before", 9), Shot(1, "after", 20)), picture)
     assert PIL.open(path).size == (width, 2 * height)
 
 
 @pytest.mark.parametrize("name", ["film.png", "film.html"])
 def test_an_episode_without_attempts_is_shown_where_it_starts(tmp_path, name):
     shown = moments(actions(), (0,))
-    assert shown == (Moment(0, "start", 0),)
+    assert shown == (Shot(0, "start", 0),)
     write_film(tmp_path / name, replace(accepted(), attempts=()), SCHEMA, shown, picture)
     content = (tmp_path / name).read_bytes()
     assert content.startswith(b"\x89PNG") if name.endswith("png") else b"start, step 0" in content

@@ -49,10 +49,10 @@ def test_a_card_names_what_was_chosen_and_no_path():
 
 @pytest.mark.sim
 def test_every_stage_reads_what_the_chosen_encoder_sees(quick, tmp_path, monkeypatch, capsys):
-    course = partial(
-        pointmaze.Course, trajectories=12, steps=60, members=2, motion=4, appearance=4, estimate=4, heads=4
+    config = partial(
+        pointmaze.MazeTrainingConfig, trajectories=12, steps=60, members=2, motion=4, appearance=4, estimate=4, heads=4
     )
-    monkeypatch.setattr(pointmaze, "Course", course)
+    monkeypatch.setattr(pointmaze, "MazeTrainingConfig", config)
     out = ["--seed", "1", "--out", str(tmp_path)]
     assert main(["train", "pointmaze", "--encoder", "pixels:2", *out]) == 0
     model = load_world_model(tmp_path)

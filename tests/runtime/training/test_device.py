@@ -8,13 +8,13 @@ import torch
 from grounding.world_model.checkpoint import load
 from grounding.world_model.model import FILES, load_world_model
 from runtime.training import STAGES
-from runtime.training.stages import Place
-from runtime.worlds.pointmaze.training import Course, train
+from runtime.training.stages import TrainingDir
+from runtime.worlds.pointmaze.training import MazeTrainingConfig, train
 from tests.gpu import DEVICE, Gpu
 from tests.interruption import interrupted
 
 pytestmark = pytest.mark.sim
-COURSE = Course(
+COURSE = MazeTrainingConfig(
     encoder="pixels:8:64",
     trajectories=12,
     steps=60,
@@ -28,7 +28,7 @@ COURSE = Course(
 
 
 def trained(folder, device):
-    place = Place(folder, device=device)
+    place = TrainingDir(folder, device=device)
     return {stage: train(stage, COURSE, place, "", "", lambda _text: None) for stage in STAGES}
 
 
@@ -47,7 +47,7 @@ def test_every_stage_trains_on_the_device_as_it_does_on_the_cpu(quick, tmp_path)
 def test_an_interrupted_training_goes_on_on_the_device(quick, tmp_path):
     with Gpu():
         trained(tmp_path / "whole", DEVICE)
-        place = Place(tmp_path / "cut", device=DEVICE)
+        place = TrainingDir(tmp_path / "cut", device=DEVICE)
         train("projection", COURSE, place, "", "", lambda _text: None)
         with interrupted(saves=3):
             train("dynamics", COURSE, place, "", "", lambda _text: None)

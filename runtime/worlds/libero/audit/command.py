@@ -74,11 +74,11 @@ def _audit(options: argparse.Namespace) -> Audit:
 
     from onto_compiler.batch import available_jobs  # noqa: PLC0415
     from onto_compiler.cache import cache_folder  # noqa: PLC0415
-    from runtime.worlds.libero.audit.fan_out import Plan, run_audit  # noqa: PLC0415
+    from runtime.worlds.libero.audit.fan_out import AuditPlan, run_audit  # noqa: PLC0415
 
     refs = _refs(options)
     folder = None if options.no_cache else options.cache or cache_folder()
-    plan = Plan(options.states, options.seed, tuple(map(str, options.ontology)), folder)
+    plan = AuditPlan(options.states, options.seed, tuple(map(str, options.ontology)), folder)
     columns = (TextColumn("audit"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True)) as progress:
         bar = progress.add_task("audit", total=len(refs))

@@ -9,11 +9,11 @@ from statistics import median
 
 from runtime.worlds.libero.audit.records import Audit, StateAudit, TaskAudit
 
-__all__ = ["Change", "compare"]
+__all__ = ["AuditChange", "compare"]
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class AuditChange:
     """One kind of failure of one subject, in the states that both audits have of a task.
 
     ``new`` and ``gone`` are the states in which only the second, or only the first, has the failure. ``before`` and
@@ -31,10 +31,10 @@ class Change:
     after: float | None
 
 
-def compare(first: Audit, second: Audit) -> tuple[Change, ...]:
+def compare(first: Audit, second: Audit) -> tuple[AuditChange, ...]:
     """What changed from ``first`` to ``second``, task by task; faults count as failures without a margin."""
     others = {(task.suite, task.name): task for task in second.tasks}
-    found: list[Change] = []
+    found: list[AuditChange] = []
     for task in first.tasks:
         other = others.get((task.suite, task.name))
         if other is not None:
@@ -45,7 +45,7 @@ def compare(first: Audit, second: Audit) -> tuple[Change, ...]:
 Key = tuple[str, str]
 
 
-def _changes(task: TaskAudit, other: TaskAudit, first: Audit, second: Audit) -> Iterator[Change]:
+def _changes(task: TaskAudit, other: TaskAudit, first: Audit, second: Audit) -> Iterator[AuditChange]:
     yield from _task_faults(task, other)
     later = {state.state: state for state in other.states}
     pairs = [(state, later[state.state]) for state in task.states if state.state in later]
@@ -63,7 +63,7 @@ def _changes(task: TaskAudit, other: TaskAudit, first: Audit, second: Audit) -> 
         kind, subject = key
         changed = {*new[key], *gone[key]}
         some = [(a, b) for a, b in pairs if a.state in changed]
-        yield Change(
+        yield AuditChange(
             task=task.label,
             kind=kind,
             subject=subject,
@@ -76,12 +76,12 @@ def _changes(task: TaskAudit, other: TaskAudit, first: Audit, second: Audit) -> 
         )
 
 
-def _task_faults(task: TaskAudit, other: TaskAudit) -> Iterator[Change]:
+def _task_faults(task: TaskAudit, other: TaskAudit) -> Iterator[AuditChange]:
     """A task that only one of the two could build or ground."""
     before, after = ({(fault.code, fault.message) for fault in one.faults} for one in (task, other))
     for code, message in sorted(before ^ after):
         which = ((), (0,)) if (code, message) in before else ((0,), ())
-        yield Change(task.label, code, message, "", 0, which[0], which[1], None, None)
+        yield AuditChange(task.label, code, message, "", 0, which[0], which[1], None, None)
 
 
 def _found(state: StateAudit) -> dict[Key, str]:

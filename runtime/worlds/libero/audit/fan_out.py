@@ -11,7 +11,7 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from onto_compiler.knowledge import load_knowledge
-from runtime.worlds.libero.audit.kept import KeptTasks
+from runtime.worlds.libero.audit.cache import AuditCache
 from runtime.worlds.libero.audit.kinds import Kind, load_kinds
 from runtime.worlds.libero.audit.measures import DECIDING, MEASURES
 from runtime.worlds.libero.audit.records import Audit, Fault, TaskAudit
@@ -19,11 +19,11 @@ from runtime.worlds.libero.audit.task import audit_task
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.native import versions
 
-__all__ = ["Plan", "kinds_of", "run_audit"]
+__all__ = ["AuditPlan", "kinds_of", "run_audit"]
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class AuditPlan:
     """What every task is audited with: how many ``states`` (None: all), which ontology, and where it is kept."""
 
     states: int | None = None
@@ -32,7 +32,7 @@ class Plan:
     folder: Path | None = None
 
 
-def run_audit(refs: Sequence[TaskRef], plan: Plan, jobs: int, tick: Callable[[TaskAudit], None]) -> Audit:
+def run_audit(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int, tick: Callable[[TaskAudit], None]) -> Audit:
     """Audit ``refs`` in their order, with at most ``jobs`` processes; ``tick`` is told of each as it is done.
 
     Raises:
@@ -41,7 +41,7 @@ def run_audit(refs: Sequence[TaskRef], plan: Plan, jobs: int, tick: Callable[[Ta
     kinds = kinds_of(plan.ontology)
     load_knowledge(*plan.ontology)
     done: dict[TaskRef, TaskAudit] = {}
-    kept = KeptTasks(plan.folder, plan.ontology, plan.seed)
+    kept = AuditCache(plan.folder, plan.ontology, plan.seed)
     for ref in refs:
         if (task := _known(ref, plan, kept)) is not None:
             done[ref] = task
@@ -59,7 +59,7 @@ def kinds_of(extra: tuple[str, ...]) -> tuple[Kind, ...]:
     return load_kinds(extra, measures=MEASURES, deciding=DECIDING)
 
 
-def _all(refs: Sequence[TaskRef], plan: Plan, jobs: int) -> Iterator[tuple[TaskRef, TaskAudit]]:
+def _all(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int) -> Iterator[tuple[TaskRef, TaskAudit]]:
     if jobs <= 1 or len(refs) <= 1:
         yield from ((ref, _one(ref, plan)) for ref in refs)
         return
@@ -74,7 +74,7 @@ def _all(refs: Sequence[TaskRef], plan: Plan, jobs: int) -> Iterator[tuple[TaskR
             yield ref, _alone(ref, plan)
 
 
-def _pooled(refs: Sequence[TaskRef], plan: Plan, jobs: int) -> Iterator[tuple[TaskRef, TaskAudit]]:
+def _pooled(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int) -> Iterator[tuple[TaskRef, TaskAudit]]:
     # spawn: MuJoCo and Oxigraph hold threads, which a fork would cut in half.
     with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
         pending = {pool.submit(_one, ref, plan): ref for ref in refs}
@@ -86,7 +86,7 @@ def _pooled(refs: Sequence[TaskRef], plan: Plan, jobs: int) -> Iterator[tuple[Ta
             raise
 
 
-def _alone(ref: TaskRef, plan: Plan) -> TaskAudit:
+def _alone(ref: TaskRef, plan: AuditPlan) -> TaskAudit:
     try:
         ((_, task),) = _pooled([ref], plan, 1)
     except BrokenProcessPool:
@@ -95,7 +95,7 @@ def _alone(ref: TaskRef, plan: Plan) -> TaskAudit:
     return task
 
 
-def _known(ref: TaskRef, plan: Plan, kept: KeptTasks) -> TaskAudit | None:
+def _known(ref: TaskRef, plan: AuditPlan, kept: AuditCache) -> TaskAudit | None:
     """The audit of ``ref`` as far as ``plan`` asks for, where all of it was kept."""
     known = kept.load(ref)
     if known is None or len(known.states) < min(plan.states or known.available, known.available):
@@ -103,8 +103,8 @@ def _known(ref: TaskRef, plan: Plan, kept: KeptTasks) -> TaskAudit | None:
     return replace(known, states=known.states[: plan.states])
 
 
-def _one(ref: TaskRef, plan: Plan) -> TaskAudit:
-    kept = KeptTasks(plan.folder, plan.ontology, plan.seed)
+def _one(ref: TaskRef, plan: AuditPlan) -> TaskAudit:
+    kept = AuditCache(plan.folder, plan.ontology, plan.seed)
     known = kept.load(ref)
     before = known.states if known else ()
     task = audit_task(ref, load_knowledge(*plan.ontology), kinds_of(plan.ontology), plan.states, plan.seed, before)

@@ -19,9 +19,9 @@ from onto_compiler.schema import Schema
 from onto_compiler.tables import SATISFIED, STATUSES
 from runtime.loop.diagnosis import by_distance, evidence_status, unmet
 from runtime.wording import atom, unit_of
-from runtime.worlds.libero.audit.moments import Moment
+from runtime.worlds.libero.audit.scene_state import SceneState
 
-__all__ = ["DECIDING", "MEASURES", "Reading", "Stage"]
+__all__ = ["DECIDING", "MEASURES", "Reading", "StateEvidence"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,33 +41,33 @@ class Reading:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stage:
+class StateEvidence:
     """One initial state: what the scene shows when it is set, and after settling; and the facts observed then.
 
     ``premise`` and ``goal`` are aligned with those facts of ``required``, which are all that can be grounded.
     """
 
-    before: Moment
-    after: Moment
+    before: SceneState
+    after: SceneState
     required: RequiredABox
     premise: Observation
     goal: Observation
     schema: Schema
 
 
-def _displacement(stage: Stage) -> Iterator[Reading]:
+def _displacement(stage: StateEvidence) -> Iterator[Reading]:
     """Metres between the positions before and after, seen from above."""
     for name, (before, _, after, _) in _poses(stage):
         yield Reading(name, hypot(after[0] - before[0], after[1] - before[1]))
 
 
-def _fall(stage: Stage) -> Iterator[Reading]:
+def _fall(stage: StateEvidence) -> Iterator[Reading]:
     """Metres that the origin came down; negative where it rose."""
     for name, (before, _, after, _) in _poses(stage):
         yield Reading(name, float(before[2] - after[2]))
 
 
-def _tilt(stage: Stage) -> Iterator[Reading]:
+def _tilt(stage: StateEvidence) -> Iterator[Reading]:
     """Radians by which the angle changed between the vertical and the axis of the object that was nearest to it.
 
     Which axis of its own an asset has upright differs, and a turn about the vertical must not count.
@@ -77,41 +77,41 @@ def _tilt(stage: Stage) -> Iterator[Reading]:
         yield Reading(name, float(np.arccos(np.clip(first[:, axis] @ second[:, axis], -1.0, 1.0))))
 
 
-def _turn(stage: Stage) -> Iterator[Reading]:
+def _turn(stage: StateEvidence) -> Iterator[Reading]:
     """Radians of the whole rotation's part about the vertical: the twist of its quaternion."""
     for name, (_, first, _, second) in _poses(stage):
         rotation = second @ first.T
         yield Reading(name, abs(atan2(rotation[1, 0] - rotation[0, 1], rotation[0, 0] + rotation[1, 1])))
 
 
-def _hinge(stage: Stage) -> Iterator[Reading]:
+def _hinge(stage: StateEvidence) -> Iterator[Reading]:
     """Radians between the positions of a hinge before and after."""
     for name, before in stage.before.hinges.items():
         yield Reading(name, abs(stage.after.hinges[name] - before))
 
 
-def _slide(stage: Stage) -> Iterator[Reading]:
+def _slide(stage: StateEvidence) -> Iterator[Reading]:
     """Metres between the positions of a slide before and after."""
     for name, before in stage.before.slides.items():
         yield Reading(name, abs(stage.after.slides[name] - before))
 
 
-def _overlap(stage: Stage) -> Iterator[Reading]:
+def _overlap(stage: StateEvidence) -> Iterator[Reading]:
     """Metres of the deepest contact of each two objects or fixtures when the state is set."""
     return (Reading(pair, depth) for pair, depth in stage.before.depths.items())
 
 
-def _sunk(stage: Stage) -> Iterator[Reading]:
+def _sunk(stage: StateEvidence) -> Iterator[Reading]:
     """Metres of the deepest contact of each object with table, floor or robot when the state is set."""
     return (Reading(pair, depth) for pair, depth in stage.before.sunk.items())
 
 
-def _penetration(stage: Stage) -> Iterator[Reading]:
+def _penetration(stage: StateEvidence) -> Iterator[Reading]:
     """Metres of the deepest contact of each pair, of whatever kind, after settling."""
     return (Reading(pair, depth) for pair, depth in (*stage.after.depths.items(), *stage.after.sunk.items()))
 
 
-def _initial_fact(stage: Stage) -> Iterator[Reading]:
+def _initial_fact(stage: StateEvidence) -> Iterator[Reading]:
     """The signed margin of each declared initial fact, above what its binding requires or tolerates."""
     facts = stage.required.premise
     for index, status in enumerate(evidence_status(facts, stage.premise)):
@@ -126,7 +126,7 @@ def _initial_fact(stage: Stage) -> Iterator[Reading]:
         )
 
 
-def _goal(stage: Stage) -> Iterator[Reading]:
+def _goal(stage: StateEvidence) -> Iterator[Reading]:
     """Minus the smallest margin of the nearest way to the goal: what is lacking for it not to hold already."""
     facts, observation = stage.required.facts, stage.goal
     way = by_distance(stage.required, observation)[0]
@@ -145,12 +145,12 @@ def _signed(fact: Fact, observation: Observation, index: int) -> float:
 Pose = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
 
 
-def _poses(stage: Stage) -> Iterator[tuple[str, Pose]]:
+def _poses(stage: StateEvidence) -> Iterator[tuple[str, Pose]]:
     for name, before in stage.before.poses.items():
         yield name, tuple(chain(before, stage.after.poses[name]))  # type: ignore[misc]  # two and two arrays
 
 
-MEASURES: Mapping[str, Callable[[Stage], Iterator[Reading]]] = {
+MEASURES: Mapping[str, Callable[[StateEvidence], Iterator[Reading]]] = {
     "displacement": _displacement,
     "fall": _fall,
     "goal": _goal,

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from math import nan
 
 from runtime.wording import amount, counted
-from runtime.worlds.libero.audit.compare import Change
+from runtime.worlds.libero.audit.compare import AuditChange
 from runtime.worlds.libero.audit.records import Audit, Failure, TaskAudit
 
 __all__ = ["audit_text", "changes_text", "ranges"]
@@ -85,7 +85,7 @@ def ranges(numbers: Sequence[int]) -> str:
     return ", ".join("-".join(map(str, run)) for run in runs)
 
 
-def changes_text(changes: Sequence[Change], first: Audit, second: Audit) -> str:
+def changes_text(changes: Sequence[AuditChange], first: Audit, second: Audit) -> str:
     """What the second audit finds that the first does not, and the other way round."""
     names = sorted({*first.versions, *second.versions})
     lines = [

@@ -20,9 +20,9 @@ from runtime.loop.diagnosis import diagnose
 from runtime.loop.faults import RunFault
 from runtime.wording import short_name
 from runtime.worlds.libero.audit.kinds import Kind
-from runtime.worlds.libero.audit.measures import MEASURES, Reading, Stage
-from runtime.worlds.libero.audit.moments import Observer
+from runtime.worlds.libero.audit.measures import MEASURES, Reading, StateEvidence
 from runtime.worlds.libero.audit.records import Failure, Fault, StateAudit, TaskAudit
+from runtime.worlds.libero.audit.scene_state import SceneReader
 from runtime.worlds.libero.loop.episodes import PREMISE_STEPS, required_of
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import compile_scene
@@ -41,7 +41,7 @@ class TaskAuditor:
 
     required: RequiredABox
     simulation: Simulation
-    observer: Observer
+    observer: SceneReader
     premise: SimGrounder
     goal: SimGrounder
     knowledge: Knowledge
@@ -64,7 +64,7 @@ class TaskAuditor:
         return cls(
             required=replace(required, premise=premise),
             simulation=simulation,
-            observer=Observer(index),
+            observer=SceneReader(index),
             premise=SimGrounder(index, premise, knowledge.schema),
             goal=goal,
             knowledge=knowledge,
@@ -84,7 +84,7 @@ class TaskAuditor:
             return StateAudit(state, faults=(Fault("SIM019", f"{fault} while it settled"),))
         except OntoError as error:
             return StateAudit(state, faults=_faults(error))
-        stage = Stage(
+        stage = StateEvidence(
             before=before,
             after=self.observer.moment(simulation.data),
             required=self.required,
@@ -95,7 +95,7 @@ class TaskAuditor:
         readings = {name: tuple(MEASURES[name](stage)) for name in sorted({kind.measure for kind in self.kinds})}
         return StateAudit(state, self._judge(stage, readings), _kept(readings))
 
-    def _judge(self, stage: Stage, readings: Mapping[str, Sequence[Reading]]) -> tuple[Failure, ...]:
+    def _judge(self, stage: StateEvidence, readings: Mapping[str, Sequence[Reading]]) -> tuple[Failure, ...]:
         schema = self.knowledge.schema
         named = {
             diagnosis.index: short_name(diagnosis.failure, schema)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from onto_compiler.knowledge import load_knowledge
-from onto_compiler.pool import spread
+from onto_compiler.pool import map_over_processes
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.versions import version_of
 from runtime.worlds.libero.demos.describe import describe
@@ -19,7 +19,7 @@ from runtime.worlds.libero.demos.keep import Kept, TaskStore
 from runtime.worlds.libero.demos.trial import TaskCollector
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 
-__all__ = ["COUNTS", "Collected", "Order", "collect", "collect_task", "count_for"]
+__all__ = ["COUNTS", "Collected", "CollectionRequest", "collect", "collect_task", "count_for"]
 
 FORMAT = 1  # of what is kept
 COUNTS = {"libero_goal": 50, "libero_spatial": 10, "libero_object": 10, "libero_10": 10}
@@ -29,7 +29,7 @@ _PACKAGES = ("mujoco", "robosuite", "numpy")
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class CollectionRequest:
     """``count`` demonstrations of a task, from the trials of ``seed``, into ``folder``."""
 
     ref: TaskRef
@@ -72,18 +72,18 @@ def count_for(suite: str) -> int:
     return COUNTS.get(suite, _OTHER)
 
 
-def collect(orders: Sequence[Order], jobs: int, tick: Callable[[Collected], None]) -> tuple[Collected, ...]:
+def collect(orders: Sequence[CollectionRequest], jobs: int, tick: Callable[[Collected], None]) -> tuple[Collected, ...]:
     """Carry out ``orders`` in at most ``jobs`` processes; what other processes collect just now is waited for.
 
     ``tick`` is told of each task as it is done. Raises, when all others are done, what tasks could not be collected
     for: ``SIM013``, ``DEM003``, ``DEM004``, ``DEM006``, ``DEM007``, and as ``onto ground``.
     """
     h5py()
-    done: dict[Order, Collected] = {}
+    done: dict[CollectionRequest, Collected] = {}
     problems: list[Problem] = []
     for wait in (False, True):
         left = [order for order in orders if order not in done]
-        for order, found in spread(_wait if wait else _try, left, jobs):
+        for order, found in map_over_processes(_wait if wait else _try, left, jobs):
             if isinstance(found, OntoError):
                 problems += found.problems
                 done[order] = _nothing(order)
@@ -96,7 +96,7 @@ def collect(orders: Sequence[Order], jobs: int, tick: Callable[[Collected], None
     return tuple(done[order] for order in orders)
 
 
-def collect_task(order: Order, *, wait: bool) -> Collected:
+def collect_task(order: CollectionRequest, *, wait: bool) -> Collected:
     """Collect one task; without ``wait``, only where no other process does. Raises as :func:`collect`."""
     ref, spec = order.ref, _spec(order)
     store = TaskStore(order.folder, ref.suite, ref.name, spec)
@@ -114,7 +114,7 @@ def collect_task(order: Order, *, wait: bool) -> Collected:
         return _collected(order, store, kept)
 
 
-def _run(order: Order, store: TaskStore, kept: Kept, attributes: Mapping[str, Any], model: str) -> Kept:
+def _run(order: CollectionRequest, store: TaskStore, kept: Kept, attributes: Mapping[str, Any], model: str) -> Kept:
     collector: TaskCollector | None = None
     found: Kept = {}
     try:
@@ -133,14 +133,14 @@ def _run(order: Order, store: TaskStore, kept: Kept, attributes: Mapping[str, An
     return found
 
 
-def _complete(order: Order, store: TaskStore, kept: Kept) -> bool:
+def _complete(order: CollectionRequest, store: TaskStore, kept: Kept) -> bool:
     """Whether the one file holds ``count`` demonstrations, or all that there are to be had."""
     inside = [place for place in kept.values() if not isinstance(place, str) and place[0] == store.path]
     parts = [place for place in kept.values() if not isinstance(place, str) and place[0] != store.path]
     return len(inside) >= order.count or (not parts and all(trial in kept for trial in range(order.trials)))
 
 
-def _collected(order: Order, store: TaskStore, kept: Kept) -> Collected:
+def _collected(order: CollectionRequest, store: TaskStore, kept: Kept) -> Collected:
     reasons = Counter(_kind(place) for place in kept.values() if isinstance(place, str))
     demos = len(kept) - reasons.total()
     ref = order.ref
@@ -151,12 +151,12 @@ def _kind(reason: str) -> str:
     return reason.partition(":")[2].strip() or reason
 
 
-def _nothing(order: Order, *, busy: bool = False) -> Collected:
+def _nothing(order: CollectionRequest, *, busy: bool = False) -> Collected:
     ref = order.ref
     return Collected(ref.suite, ref.index, ref.name, "", order.count, 0, 0, {}, busy)
 
 
-def _spec(order: Order) -> dict[str, Any]:
+def _spec(order: CollectionRequest) -> dict[str, Any]:
     """What decides the bytes of a demonstration, as far as it can be told beforehand."""
     return {
         "format": FORMAT,
@@ -169,15 +169,15 @@ def _spec(order: Order) -> dict[str, Any]:
     }
 
 
-def _try(order: Order) -> Collected | OntoError:
+def _try(order: CollectionRequest) -> Collected | OntoError:
     return _caught(order, wait=False)
 
 
-def _wait(order: Order) -> Collected | OntoError:
+def _wait(order: CollectionRequest) -> Collected | OntoError:
     return _caught(order, wait=True)
 
 
-def _caught(order: Order, *, wait: bool) -> Collected | OntoError:
+def _caught(order: CollectionRequest, *, wait: bool) -> Collected | OntoError:
     try:
         return collect_task(order, wait=wait)
     except OntoError as error:

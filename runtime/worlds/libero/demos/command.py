@@ -14,7 +14,7 @@ from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, print_js
 from onto_compiler.problems import OntoError
 
 if TYPE_CHECKING:
-    from runtime.worlds.libero.demos.collect import Order
+    from runtime.worlds.libero.demos.collect import CollectionRequest
 
 __all__ = ["DEFAULT_FOLDER", "DEMOS", "SUITES"]
 
@@ -71,8 +71,8 @@ def _collect(options: argparse.Namespace) -> int:
     return FINDINGS if any(one.short for one in found) else CLEAN
 
 
-def _orders(options: argparse.Namespace) -> list[Order]:
-    from runtime.worlds.libero.demos.collect import Order, count_for  # noqa: PLC0415 - as above
+def _orders(options: argparse.Namespace) -> list[CollectionRequest]:
+    from runtime.worlds.libero.demos.collect import CollectionRequest, count_for  # noqa: PLC0415 - as above
     from runtime.worlds.libero.simulator.assets import find_task, tasks  # noqa: PLC0415
 
     if options.all == (options.suite is not None):
@@ -89,21 +89,21 @@ def _orders(options: argparse.Namespace) -> list[Order]:
     else:
         refs = [ref for name in (SUITES if options.all else (suite,)) for ref in tasks(name)]
     return [
-        Order(ref, options.count or count_for(ref.suite), options.seed, options.out, images=options.images)
+        CollectionRequest(ref, options.count or count_for(ref.suite), options.seed, options.out, images=options.images)
         for ref in refs
     ]
 
 
 def _replay(options: argparse.Namespace) -> int:
     """Execute every demonstration in LIBERO's own environment, and tell whether each succeeds at its own step."""
-    from onto_compiler.pool import spread  # noqa: PLC0415
+    from onto_compiler.pool import map_over_processes  # noqa: PLC0415
     from runtime.worlds.libero.demos.render import replays_text  # noqa: PLC0415 - as above
     from runtime.worlds.libero.demos.replay import replay_file  # noqa: PLC0415
 
     files = _files(options)
     found = {}
     with _progress("files", len(files)) as tick:
-        for file, results in spread(replay_file, files, _jobs(options)):
+        for file, results in map_over_processes(replay_file, files, _jobs(options)):
             if isinstance(results, OntoError):
                 raise results
             found[file] = results

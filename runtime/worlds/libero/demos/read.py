@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from onto_compiler.problems import OntoError
 from runtime.worlds.libero.demos.hdf5 import reading
 from runtime.worlds.libero.demos.records import IMAGES, DemoFile, Demonstration, Origin
-from runtime.worlds.libero.demos.window import read_start
+from runtime.worlds.libero.demos.snapshot_hdf5 import read_start
 from runtime.worlds.libero.demos.write import ABOUT
 
 __all__ = ["load", "overview"]

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike, NDArray
 from runtime.worlds.libero.simulator.compiled import CompiledScene
 from runtime.worlds.libero.simulator.simulation import ACTION_SIZE, DUMMY_ACTION, Simulation
 
-__all__ = ["Recorder"]
+__all__ = ["DemoRecorder"]
 
 Observed = Mapping[str, NDArray[Any]]
 
 
-class Recorder(Simulation):
+class DemoRecorder(Simulation):
     """The exact loop; from :meth:`begin` on each step is disturbed, executed and recorded.
 
     An observation is the one that a policy would have had when it chose the action: LIBERO's after the step before,
@@ -57,10 +57,10 @@ class Recorder(Simulation):
         """Record no more."""
         self._recording = False
 
-    def step(self, action: ArrayLike, glance: Callable[[], object] | None = None) -> None:
+    def step(self, action: ArrayLike, before_last_substep: Callable[[], object] | None = None) -> None:
         """As :meth:`Simulation.step`, which also says what is raised."""
         if not self._recording:
-            super().step(action, glance)
+            super().step(action, before_last_substep)
             return
         wanted = np.array(action, dtype=np.float64).reshape(ACTION_SIZE)
         done = wanted if self._disturb is None else self._disturb(wanted)

@@ -10,7 +10,7 @@ from typing import Any
 from runtime.wording import counted
 from runtime.worlds.libero.demos.collect import Collected
 from runtime.worlds.libero.demos.records import DemoFile, Demonstration
-from runtime.worlds.libero.demos.replay import Replay
+from runtime.worlds.libero.demos.replay import DemoReplay
 
 __all__ = ["collected_text", "file_record", "file_text", "replays_text"]
 
@@ -30,7 +30,7 @@ def collected_text(found: Sequence[Collected]) -> str:
     return "\n".join([*lines, total + (f"; {counted(short, 'task')} with fewer than wanted" if short else "")]) + "\n"
 
 
-def replays_text(replays: Sequence[Replay]) -> str:
+def replays_text(replays: Sequence[DemoReplay]) -> str:
     """A line for each file, one for each demonstration that went otherwise, and a sum."""
     lines = []
     for file in dict.fromkeys(one.file for one in replays):
@@ -45,7 +45,7 @@ def replays_text(replays: Sequence[Replay]) -> str:
     return "\n".join([*lines, f"{good} of {len(replays)} demonstrations replayed natively{note}"]) + "\n"
 
 
-def _other(one: Replay) -> str:
+def _other(one: DemoReplay) -> str:
     if not one.reached:
         return f"no success in {one.steps} steps" + (f", recorded at {one.recorded}" if one.recorded else "")
     if one.reached != one.recorded:

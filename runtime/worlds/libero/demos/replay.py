@@ -14,13 +14,13 @@ from runtime.worlds.libero.demos.records import DemoFile, Demonstration
 from runtime.worlds.libero.simulator.assets import TaskRef, find_task
 from runtime.worlds.libero.simulator.native import NativeTask
 
-__all__ = ["AFTER", "Replay", "replay", "replay_file"]
+__all__ = ["AFTER", "DemoReplay", "replay", "replay_file"]
 
 AFTER = 20  # control steps without motion, after which the task must still be done
 
 
 @dataclass(frozen=True, slots=True)
-class Replay:
+class DemoReplay:
     """How one demonstration went.
 
     ``reached`` counts actions until the native predicate is first true, 0 where it never is; ``recorded`` is what the
@@ -46,7 +46,7 @@ class Replay:
         return self.reached > 0 and (not self.recorded or (self.reached == self.recorded and self.holds))
 
 
-def replay(path: str | Path) -> Iterator[Replay]:
+def replay(path: str | Path) -> Iterator[DemoReplay]:
     """Replay every demonstration of a file.
 
     Raises:
@@ -59,7 +59,7 @@ def replay(path: str | Path) -> Iterator[Replay]:
             yield _replay(task, file, demo)
 
 
-def replay_file(path: Path) -> tuple[Replay, ...] | OntoError:
+def replay_file(path: Path) -> tuple[DemoReplay, ...] | OntoError:
     """The same in one piece, with what would be raised: for worker processes."""
     try:
         return tuple(replay(path))
@@ -67,7 +67,7 @@ def replay_file(path: Path) -> tuple[Replay, ...] | OntoError:
         return error
 
 
-def _replay(task: NativeTask, file: DemoFile, demo: Demonstration) -> Replay:
+def _replay(task: NativeTask, file: DemoFile, demo: Demonstration) -> DemoReplay:
     if demo.start is not None:
         task.restore(demo.start)
     else:
@@ -84,7 +84,7 @@ def _replay(task: NativeTask, file: DemoFile, demo: Demonstration) -> Replay:
             reached = number
     task.settle(AFTER)
     recorded = demo.origin.success_step if demo.origin else 0
-    return Replay(
+    return DemoReplay(
         file.path,
         file.suite,
         file.task,

@@ -21,7 +21,7 @@ from runtime.loop.faults import RunFault
 from runtime.worlds.libero.demos.describe import SIZE
 from runtime.worlds.libero.demos.disturb import Disturber
 from runtime.worlds.libero.demos.proprioception import OBSERVED, proprioception, robot_states
-from runtime.worlds.libero.demos.recorder import Recorder
+from runtime.worlds.libero.demos.recorder import DemoRecorder
 from runtime.worlds.libero.demos.records import IMAGES, Demonstration, Origin
 from runtime.worlds.libero.demos.released import Released
 from runtime.worlds.libero.loop.episodes import PREMISE_STEPS, required_of
@@ -31,7 +31,7 @@ from runtime.worlds.libero.scene.views import Views
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.snapshot import Snapshot
-from runtime.worlds.libero.skills.play import Played, Player
+from runtime.worlds.libero.skills.play import PlayedEpisode, Player
 
 __all__ = ["AFTER", "HELD_OUT", "PAST", "TaskCollector"]
 
@@ -55,7 +55,7 @@ class TaskCollector:
         self._views = Views(scene.model, cameras, (SIZE, SIZE), "opengl", fast=False)
         self._keys = {f"{camera}_image": key for key, camera in IMAGES.items()} if images else {}
         self._released = Released(scene.model)
-        self._recorder = Recorder(scene, self._look, self._holds)
+        self._recorder = DemoRecorder(scene, self._look, self._holds)
 
     def collect(self, trial: int) -> Demonstration | str:
         """The demonstration of ``trial`` (from 0), or why it gave none.
@@ -137,7 +137,7 @@ class TaskCollector:
         self._views.close()
 
 
-def _why(played: Played) -> str:
+def _why(played: PlayedEpisode) -> str:
     """How the last skill ended, or that there was none to go on with."""
     last = played.tries[-1].outcome if played.tries else "held"
     return "no skill offers itself" if last == "held" else last

@@ -18,7 +18,7 @@ import numpy as np
 from onto_compiler.problems import OntoError
 from runtime.worlds.libero.demos.hdf5 import h5py
 from runtime.worlds.libero.demos.records import Demonstration
-from runtime.worlds.libero.demos.window import write_start
+from runtime.worlds.libero.demos.snapshot_hdf5 import write_start
 
 __all__ = ["ABOUT", "merge", "write"]
 

@@ -16,9 +16,9 @@ from onto_compiler.bddl.parse import parse_file
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.loop.faults import RunFault
-from runtime.worlds.libero.gym.burners import Burners
 from runtime.worlds.libero.gym.facts import FactReporter
 from runtime.worlds.libero.gym.starts import Advance, Start, Starts
+from runtime.worlds.libero.gym.stove_lights import StoveLights
 from runtime.worlds.libero.loop.episodes import PREMISE_STEPS, required_of
 from runtime.worlds.libero.scene.horizons import chosen_task, horizon_of
 from runtime.worlds.libero.scene.observations import Observer
@@ -113,7 +113,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         spec = parse_file(self._ref.bddl)
         self._observer = Observer(scene, [declared.name for declared in spec.objects], observables)
         self._reporter = FactReporter(scene.index, required, knowledge)
-        self._burners = Burners(scene, spec, knowledge.schema) if drawing else None
+        self._burners = StoveLights(scene, spec, knowledge.schema) if drawing else None
         self._scratch = mujoco.MjData(scene.model) if timing == "current" else None
         size = (image_size, image_size) if isinstance(image_size, int) else image_size
         self._views = Views(scene.model, cameras if images else (), size, image_convention, fast=fast_render)
@@ -185,8 +185,8 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
 
     def _go(self, action: ArrayLike, *, look: bool = True) -> None:
         simulation, scratch = self._simulation, self._scratch
-        glance = partial(self._observe, simulation.data) if look and scratch is None else None
-        simulation.step(action, glance)
+        before_last_substep = partial(self._observe, simulation.data) if look and scratch is None else None
+        simulation.step(action, before_last_substep)
         if self._burners is not None:
             self._burners.update(simulation.data)
         if look and scratch is not None:  # a step leaves poses one substep behind qpos

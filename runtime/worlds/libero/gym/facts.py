@@ -21,13 +21,13 @@ from runtime.loop.diagnosis import diagnose_goal, evidence_status
 from runtime.loop.routing import route
 from runtime.wording import short_name, unit_of
 
-__all__ = ["FactReporter", "Report"]
+__all__ = ["FactReporter", "GoalReport"]
 
 Row = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class GoalReport:
     """``success`` is LIBERO's own verdict; ``facts`` speak of the goal; ``failures`` diagnose what of it is unmet."""
 
     success: bool
@@ -50,7 +50,7 @@ class FactReporter:
         self._constant = _constants(required.facts, knowledge.schema)
         self._premises = _constants(required.premise, knowledge.schema)
 
-    def report(self, data: mujoco.MjData, step: int = 0) -> Report:
+    def report(self, data: mujoco.MjData, step: int = 0) -> GoalReport:
         """Ground and diagnose ``data``, which is only read."""
         required, knowledge = self._required, self._knowledge
         observation = self._goal.observe(data, step)
@@ -69,7 +69,7 @@ class FactReporter:
             }
             for found in diagnose_goal(required, observation, knowledge.tables)
         )
-        return Report(success, self._rows(self._constant, required.facts, observation), failures)
+        return GoalReport(success, self._rows(self._constant, required.facts, observation), failures)
 
     def premise(self, data: mujoco.MjData) -> tuple[Row, ...]:
         """The facts that the task declares of its start, in the same form."""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-__all__ = ["ENCLOSED", "UNBALANCED", "Mover", "Pose", "Window", "drop", "rest_orientations", "yaws"]
+__all__ = ["ENCLOSED", "UNBALANCED", "Mover", "Placement", "Window", "drop", "rest_orientations", "yaws"]
 
 TOUCH_M = 4e-4  # about as deep as MuJoCo's default contacts let a light object sink under its own weight
 _STEP_M = 4e-3  # of the descent: what is thinner than this and the object together is met all the same
@@ -31,7 +31,7 @@ UNBALANCED, ENCLOSED = 2, 1  # flaws: gravity would tip it; the region is covere
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pose:
+class Placement:
     """Where the origin of an object comes to lie horizontally (m), its orientation (3, 3), and why."""
 
     x: float
@@ -73,7 +73,7 @@ def rest_orientations(scene: Scene, qpos: Array, entity: str) -> list[Array]:
     return found
 
 
-def drop(mover: Mover, pose: Pose, window: Window, flaws: int = 0) -> Iterator[Candidate]:
+def drop(mover: Mover, pose: Placement, window: Window, flaws: int = 0) -> Iterator[Candidate]:
     """Lower ``mover``'s entity at ``pose`` and yield each height in ``window`` at which it comes to touch something.
 
     The entity sinks in by ``TOUCH_M`` at most. A resting pose that gravity would tip has the flaw ``UNBALANCED``
@@ -115,9 +115,9 @@ class Mover:
         self._pairs = clearance.pairs(self.moving)
         first = clearance.start[self.slices[0]]
         self.home, self.home_matrix = first[:3].copy(), matrix_of(first[3:])
-        self.aim(Pose(float(self.home[0]), float(self.home[1]), self.home_matrix, "as it is"))
+        self.aim(Placement(float(self.home[0]), float(self.home[1]), self.home_matrix, "as it is"))
 
-    def aim(self, pose: Pose) -> None:
+    def aim(self, pose: Placement) -> None:
         """Take up ``pose``; the methods below say at which height."""
         clearance = self.clearance
         turn = pose.matrix @ self.home_matrix.T

@@ -10,7 +10,7 @@ import numpy as np
 
 from runtime.worlds.libero.proposers.clearance import Clearance
 from runtime.worlds.libero.proposers.joints import SINK_M, end_values, moved
-from runtime.worlds.libero.proposers.placement import ENCLOSED, Mover, Pose, Window, drop, rest_orientations, yaws
+from runtime.worlds.libero.proposers.placement import ENCLOSED, Mover, Placement, Window, drop, rest_orientations, yaws
 from runtime.worlds.libero.scene.geometry import align_yaw, extent
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from grounding.scenes import Scene
     from runtime.loop.proposer import Request
     from runtime.worlds.libero.proposers.candidates import Candidate
-    from runtime.worlds.libero.scene.targets import Place
+    from runtime.worlds.libero.scene.targets import PlacementTarget
 
     Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ _ROOF_M = 0.02
 _AWAY_M = (0.08, 0.12, 0.16, 0.2, 0.25, 0.3)  # how far an object is moved that must leave a place
 
 
-def landing_batches(request: Request, place: Place, slot: tuple[int, int]) -> Iterator[list[Candidate]]:
+def landing_batches(request: Request, place: PlacementTarget, slot: tuple[int, int]) -> Iterator[list[Candidate]]:
     """Batches of landings of ``place.subject``: one batch for each offset, nearest to its slot first.
 
     When the region rides on a joint (a drawer), landings that nothing of its parent covers come first: as the joint is,
@@ -69,7 +69,7 @@ def landing_batches(request: Request, place: Place, slot: tuple[int, int]) -> It
     yield from _landings(clearance, place, slot, covered=True)
 
 
-def leaving_batches(request: Request, place: Place) -> Iterator[list[Candidate]]:
+def leaving_batches(request: Request, place: PlacementTarget) -> Iterator[list[Candidate]]:
     """Batches of landings of ``place.subject`` away from where it is, nearest first: for a fact that must not hold."""
     clearance = Clearance(request.scene, request.qpos)
     mover = Mover(clearance, place.subject)
@@ -77,7 +77,7 @@ def leaving_batches(request: Request, place: Place) -> Iterator[list[Candidate]]
     window = search_window(clearance, place, wanted=False)
     for away in _AWAY_M:
         poses = (
-            Pose(
+            Placement(
                 float(mover.home[0] + away * np.cos(angle)),
                 float(mover.home[1] + away * np.sin(angle)),
                 upright,
@@ -88,7 +88,7 @@ def leaving_batches(request: Request, place: Place) -> Iterator[list[Candidate]]
         yield [landing for pose in poses for landing in drop(mover, pose, window)]
 
 
-def search_window(clearance: Clearance, place: Place, *, wanted: bool) -> Window:
+def search_window(clearance: Clearance, place: PlacementTarget, *, wanted: bool) -> Window:
     """Heights as :func:`site_window` has them, or any down to the foot of a place that is not ``wanted``."""
     window = site_window(clearance, place)
     if wanted:
@@ -106,7 +106,7 @@ def _put_back(scene: Scene, qpos: Array, joint: int, value: float, subject: str)
 
 
 def _landings(
-    clearance: Clearance, place: Place, slot: tuple[int, int], *, covered: bool | None = None
+    clearance: Clearance, place: PlacementTarget, slot: tuple[int, int], *, covered: bool | None = None
 ) -> Iterator[list[Candidate]]:
     """Landings at each offset; with ``covered``, only at those that the place's parent does or does not cover."""
     window = site_window(clearance, place)
@@ -126,7 +126,7 @@ def _landings(
                 for matrix, angle in yaws(orientation, turns)
                 for landing in drop(
                     mover,
-                    Pose(x, y, matrix, f"{offset}, turned {np.degrees(angle):.0f} deg"),
+                    Placement(x, y, matrix, f"{offset}, turned {np.degrees(angle):.0f} deg"),
                     window,
                     flaws,
                 )
@@ -144,7 +144,7 @@ class _Lid:
         return self.low[0] <= x <= self.high[0] and self.low[1] <= y <= self.high[1]
 
 
-def _lids(clearance: Clearance, place: Place) -> list[_Lid]:
+def _lids(clearance: Clearance, place: PlacementTarget) -> list[_Lid]:
     if place.site is None or place.parent is None:
         return []
     scene, model, data = clearance.scene, clearance.model, clearance.data
@@ -154,7 +154,7 @@ def _lids(clearance: Clearance, place: Place) -> list[_Lid]:
     return [_Lid((low[0], low[1]), (high[0], high[1])) for low, high in boxes if low[2] > height]
 
 
-def site_window(clearance: Clearance, place: Place) -> Window:
+def site_window(clearance: Clearance, place: PlacementTarget) -> Window:
     """Heights that the native predicate allows the origin, and the height from which to descend."""
     scene, data, model = clearance.scene, clearance.data, clearance.model
     clearance.place(clearance.start)
@@ -179,7 +179,7 @@ def site_window(clearance: Clearance, place: Place) -> Window:
     return Window(float(bottom), float(top), max(roof, float(top)) + _ROOF_M)
 
 
-def _frame(clearance: Clearance, place: Place) -> Array:
+def _frame(clearance: Clearance, place: PlacementTarget) -> Array:
     scene, data = clearance.scene, clearance.data
     if place.site is not None:
         return np.asarray(data.site_xmat[scene.site(place.site)].reshape(3, 3))
@@ -187,7 +187,7 @@ def _frame(clearance: Clearance, place: Place) -> Array:
     return np.asarray(data.xmat[body].reshape(3, 3))
 
 
-def _offsets(clearance: Clearance, place: Place, slot: tuple[int, int]) -> Iterator[tuple[float, float, str]]:
+def _offsets(clearance: Clearance, place: PlacementTarget, slot: tuple[int, int]) -> Iterator[tuple[float, float, str]]:
     """Horizontal positions for the origin, with the offset's words for the note."""
     scene, data, model = clearance.scene, clearance.data, clearance.model
     clearance.place(clearance.start)

@@ -14,10 +14,10 @@ import numpy as np
 
 from runtime.worlds.libero.proposers.candidates import Candidate, offer, ranked
 from runtime.worlds.libero.proposers.clearance import Clearance
-from runtime.worlds.libero.proposers.placement import Mover, Pose, drop
+from runtime.worlds.libero.proposers.placement import Mover, Placement, drop
 from runtime.worlds.libero.proposers.poses import leaving_batches, site_window
 from runtime.worlds.libero.scene.geometry import cube_rotations
-from runtime.worlds.libero.scene.targets import Place, place_of
+from runtime.worlds.libero.scene.targets import PlacementTarget, place_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -64,7 +64,7 @@ class HeuristicRackContact:
             )
 
 
-def _batches(clearance: Clearance, place: Place, rack: str, site: str) -> Iterator[list[Candidate]]:
+def _batches(clearance: Clearance, place: PlacementTarget, rack: str, site: str) -> Iterator[list[Candidate]]:
     window = site_window(clearance, place)
     frames = _frames(clearance, rack, site)
     mover = Mover(clearance, place.subject)
@@ -74,7 +74,7 @@ def _batches(clearance: Clearance, place: Place, rack: str, site: str) -> Iterat
             for (kind, frame), (number, cube) in itertools.product(frames, enumerate(cube_rotations()))
             for landing in drop(
                 mover,
-                Pose(x, y, frame @ cube, f"{offset}, axes along {kind}, face {number}"),
+                Placement(x, y, frame @ cube, f"{offset}, axes along {kind}, face {number}"),
                 window,
             )
         ]

@@ -15,7 +15,7 @@ import numpy as np
 from runtime.worlds.libero.proposers.candidates import Candidate, offer, ranked
 from runtime.worlds.libero.proposers.clearance import Clearance
 from runtime.worlds.libero.proposers.joints import SINK_M, moved
-from runtime.worlds.libero.proposers.placement import Mover, Pose, drop, rest_orientations
+from runtime.worlds.libero.proposers.placement import Mover, Placement, drop, rest_orientations
 from runtime.worlds.libero.proposers.poses import search_window
 from runtime.worlds.libero.scene.geometry import yaw_matrix
 from runtime.worlds.libero.scene.targets import place_of
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from onto_compiler.schema import Schema
     from runtime.loop.proposer import Request
     from runtime.loop.records import Proposal
-    from runtime.worlds.libero.scene.targets import Place
+    from runtime.worlds.libero.scene.targets import PlacementTarget
 
     Array = NDArray[np.float64]
 
@@ -130,7 +130,7 @@ def _joint_states(request: Request) -> Iterable[Candidate]:
     return visited
 
 
-def _poses(request: Request, place: Place) -> Iterable[Candidate]:
+def _poses(request: Request, place: PlacementTarget) -> Iterable[Candidate]:
     """Landings of the object near its present pose, as the search visits them."""
     clearance = Clearance(request.scene, request.qpos)
     window = search_window(clearance, place, wanted=request.diagnosis.fact.polarity)
@@ -142,9 +142,9 @@ def _poses(request: Request, place: Place) -> Iterable[Candidate]:
         x, y = mover.home[:2] + point[:2]
         turn = yaw_matrix(point[2] / _LEVER_M)
         note = f"shifted by ({point[0]:.4f}, {point[1]:.4f}) m, turned {np.degrees(point[2] / _LEVER_M):.0f} deg"
-        landings = list(drop(mover, Pose(x, y, turn @ upright, note), window))
+        landings = list(drop(mover, Placement(x, y, turn @ upright, note), window))
         visited.extend(landings)
-        mover.aim(Pose(x, y, turn @ mover.home_matrix, note))
+        mover.aim(Placement(x, y, turn @ mover.home_matrix, note))
         mover.write(float(mover.home[2]))
         hovering = clearance.data.qpos.copy()  # where nothing is within reach below, the margin still shows the way
         return max(_score(request, qpos) for qpos in (hovering, *(c.qpos for c in landings)))

@@ -10,11 +10,11 @@ if TYPE_CHECKING:
     from onto_compiler.required import Fact, RequiredABox
     from onto_compiler.schema import JointThreshold, Schema
 
-__all__ = ["Place", "place_of", "slot_of", "threshold_of"]
+__all__ = ["PlacementTarget", "place_of", "slot_of", "threshold_of"]
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class PlacementTarget:
     """Where an object has to come or must not be: at a site (``parent`` has it, None for a table) or on an entity."""
 
     subject: str
@@ -23,7 +23,7 @@ class Place:
     contains: bool  # the native predicate asks for the site's volume rather than for what lies on it
 
 
-def place_of(scene: Scene, fact: Fact) -> Place | None:
+def place_of(scene: Scene, fact: Fact) -> PlacementTarget | None:
     """The place that ``fact`` asks of a movable object, or forbids it; None when it speaks of something else."""
     names = fact.native.arguments
     if len(names) != 2 or names[0] not in scene.entities:
@@ -32,9 +32,9 @@ def place_of(scene: Scene, fact: Fact) -> Place | None:
         return None
     contains = fact.native.predicate.casefold() == "in"
     if scene.is_site(names[1]):
-        return Place(names[0], names[1], scene.site_parent(names[1]), contains)
+        return PlacementTarget(names[0], names[1], scene.site_parent(names[1]), contains)
     if names[1] in scene.entities and names[1] != names[0]:
-        return Place(names[0], None, names[1], contains)
+        return PlacementTarget(names[0], None, names[1], contains)
     return None
 
 

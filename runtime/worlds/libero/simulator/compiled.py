@@ -24,7 +24,7 @@ from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
 from runtime.worlds.libero.simulator.assets import configured_assets, package_root
-from runtime.worlds.libero.simulator.scene_cache import Record, SceneCache, key_of, stamp
+from runtime.worlds.libero.simulator.scene_cache import SceneCache, SceneRecord, key_of, stamp
 from runtime.worlds.libero.simulator.snapshot import Snapshot, identity
 
 __all__ = ["ArmIndex", "CompiledScene", "compile_scene"]
@@ -93,7 +93,7 @@ def compile_scene(
     return _scene(bddl, seed, *found, pictures=pictures)
 
 
-def _loaded(cache: SceneCache, key: str) -> tuple[Record, mujoco.MjModel] | None:
+def _loaded(cache: SceneCache, key: str) -> tuple[SceneRecord, mujoco.MjModel] | None:
     found = cache.load(key)
     if found is None:
         return None
@@ -113,7 +113,7 @@ def _write(model: mujoco.MjModel, path: Path) -> None:
         raise OSError(errno.ENOSPC, f"{written} of {needed} bytes could be written")
 
 
-def _scene(bddl: Path, seed: int, record: Record, model: mujoco.MjModel, *, pictures: bool) -> CompiledScene:
+def _scene(bddl: Path, seed: int, record: SceneRecord, model: mujoco.MjModel, *, pictures: bool) -> CompiledScene:
     arrays, values = record.arrays, record.values
     home = _snapshot(record, identity(model))
     model.body_pos[:] = home.body_pos
@@ -123,7 +123,7 @@ def _scene(bddl: Path, seed: int, record: Record, model: mujoco.MjModel, *, pict
     return CompiledScene(bddl, seed, model, Scene(model), arm, home, int(values["substeps"]), pictures)
 
 
-def _build(bddl: Path, seed: int, *, pictures: bool) -> tuple[Record, mujoco.MjModel]:
+def _build(bddl: Path, seed: int, *, pictures: bool) -> tuple[SceneRecord, mujoco.MjModel]:
     from runtime.worlds.libero.simulator.native import NativeTask  # noqa: PLC0415  the simulator's packages take a second to import
 
     with NativeTask(bddl, seed) as task:
@@ -154,14 +154,14 @@ def _build(bddl: Path, seed: int, *, pictures: bool) -> tuple[Record, mujoco.MjM
         xml = env.model.get_xml()
         bare = _without_textures(xml)
         model = task.model if pictures or not _same_physics(bare, task.model) else bare
-        return Record(values, arrays, stamp(_assets(xml))), model
+        return SceneRecord(values, arrays, stamp(_assets(xml))), model
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401  a number or None
     return value.item() if isinstance(value, np.generic) else value
 
 
-def _snapshot(record: Record, scene: str) -> Snapshot:
+def _snapshot(record: SceneRecord, scene: str) -> Snapshot:
     arrays, values = record.arrays, record.values
     controller: dict[str, Any] = dict(values["controller"])
     prefix = "controller."

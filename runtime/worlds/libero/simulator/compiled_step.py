@@ -1,4 +1,4 @@
-"""The compiled control step as a :class:`Stepper` (:mod:`~runtime.worlds.libero.simulator.simulation`), with its contacts."""
+"""The compiled control step as a :class:`~runtime.worlds.libero.simulator.simulation.Stepper`, and its contacts."""
 
 from __future__ import annotations
 
@@ -54,15 +54,15 @@ class CompiledStepper:
         self._side = sides(self._scene.model.ngeom, entities)
         self.touched = np.zeros((len(entities), len(entities)), dtype=np.bool_)
 
-    def step(self, action: NDArray[np.float64], glance: Callable[[], object] | None = None) -> None:
-        """Take one control step with ``action`` (7,), finite; ``glance`` is called before the last substep."""
+    def step(self, action: NDArray[np.float64], before_last_substep: Callable[[], object] | None = None) -> None:
+        """Take one control step with ``action`` (7,), finite; ``before_last_substep`` is called when it is due."""
         self._before[:] = self._flat
         last = self._scene.substeps
-        if glance is None:
+        if before_last_substep is None:
             self._advance(action, 0, last)
             return
         self._advance(action, 0, last - 1)
-        glance()
+        before_last_substep()
         self._advance(action, last - 1, last)
 
     def _advance(self, action: NDArray[np.float64], first: int, last: int) -> None:

@@ -60,14 +60,14 @@ class ExactStepper:
         self._side = sides(self._model.ngeom, entities)
         self.touched = np.zeros((len(entities), len(entities)), dtype=np.bool_)
 
-    def step(self, action: NDArray[np.float64], glance: Callable[[], object] | None = None) -> None:
-        """Take one control step with ``action`` (7,), finite; ``glance`` is called before the last substep."""
+    def step(self, action: NDArray[np.float64], before_last_substep: Callable[[], object] | None = None) -> None:
+        """Take one control step with ``action`` (7,), finite; ``before_last_substep`` is called when it is due."""
         self._before = self.take()
         model, data, controller, arm = self._model, self._data, self._controller, self._scene.arm
         gripper = np.sign(action[6:])
         for substep in range(self._scene.substeps):
-            if glance is not None and substep == self._scene.substeps - 1:
-                glance()
+            if before_last_substep is not None and substep == self._scene.substeps - 1:
+                before_last_substep()
             mujoco.mj_forward(model, data)
             if substep == 0:
                 controller.set_goal(action[:6])

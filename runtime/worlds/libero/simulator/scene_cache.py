@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Record", "SceneCache", "key_of", "stamp"]
+__all__ = ["SceneCache", "SceneRecord", "key_of", "stamp"]
 
 _LOG = logging.getLogger("onto_evwm.scenes")
 _RECORD = "record"  # the array that holds the JSON part
@@ -30,7 +30,7 @@ Stamp = tuple[int, int, str]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Record:
+class SceneRecord:
     """What is kept of a scene beside its model: JSON values, arrays, and assets with size, time (ns) and SHA-256."""
 
     values: Mapping[str, Any]
@@ -58,7 +58,7 @@ class SceneCache:
     def __init__(self, folder: Path | None) -> None:
         self.folder = folder
 
-    def load(self, key: str) -> tuple[Record, Path] | None:
+    def load(self, key: str) -> tuple[SceneRecord, Path] | None:
         """The record kept for ``key`` and the path of its model; None where there is none that can be used."""
         if self.folder is None:
             return None
@@ -80,7 +80,7 @@ class SceneCache:
             return None
         return record, model
 
-    def save(self, key: str, record: Record, write_model: Callable[[Path], None]) -> None:
+    def save(self, key: str, record: SceneRecord, write_model: Callable[[Path], None]) -> None:
         """Keep a scene; a folder that cannot be written is reported in the log, and the scene is not kept."""
         if self.folder is None:
             return
@@ -114,12 +114,12 @@ def _made(folder: Path) -> Path:
     return folder
 
 
-def _read(path: Path) -> Record:
+def _read(path: Path) -> SceneRecord:
     with np.load(path, allow_pickle=False) as file:
         arrays = {name: file[name] for name in file.files}
     values = json.loads(str(arrays.pop(_RECORD)))
     assets = {name: (int(size), int(time), str(sha)) for name, (size, time, sha) in values.pop("assets").items()}
-    return Record(values, arrays, assets)
+    return SceneRecord(values, arrays, assets)
 
 
 def _digest(path: Path) -> str:

@@ -34,10 +34,10 @@ class Stepper(Protocol):
         """Set ``touched`` (k, k) from now on where geoms of two of ``entities`` meet in any substep."""
         ...
 
-    def step(self, action: NDArray[np.float64], glance: Callable[[], object] | None = None) -> None:
+    def step(self, action: NDArray[np.float64], before_last_substep: Callable[[], object] | None = None) -> None:
         """Take one control step with ``action`` (7,), finite; it is clipped to [-1, 1].
 
-        ``glance`` is called before the last substep.
+        ``before_last_substep`` is called before the last substep.
         """
         ...
 
@@ -100,17 +100,17 @@ class Simulation:
         data.qvel[:] = flat[1 + nq :]
         mujoco.mj_forward(self.model, data)
 
-    def step(self, action: ArrayLike, glance: Callable[[], object] | None = None) -> None:
+    def step(self, action: ArrayLike, before_last_substep: Callable[[], object] | None = None) -> None:
         """Take one control step (1/20 s) with an OSC_POSE action (7,), clipped to [-1, 1].
 
-        ``glance`` may read :attr:`data` before the last substep: that is when LIBERO observes.
+        ``before_last_substep`` may read :attr:`data` before the last substep: that is when LIBERO observes.
         Raises ``SIM021`` for an action that is not seven finite numbers, and :class:`RunFault` with the last good
         snapshot where the state diverges; that snapshot is then the state.
         """
         given = _checked(action)
         mujoco.mj_getState(self.model, self.data, self._good, FULL)
         time = self.data.time
-        self._stepper.step(given, glance)
+        self._stepper.step(given, before_last_substep)
         self.steps += 1
         if self.data.time <= time or not self._finite():
             self.steps -= 1

@@ -10,7 +10,7 @@ import numpy as np
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema
 from runtime.worlds.libero.skills import door, drawer, knob
-from runtime.worlds.libero.skills.contact import Contact, actuate, reachable
+from runtime.worlds.libero.skills.contact import GripContact, actuate, reachable
 from runtime.worlds.libero.skills.fault import SkillFault
 from runtime.worlds.libero.skills.frames import Pose, nearest_twin, turn
 from runtime.worlds.libero.skills.joints import Articulation, articulations, wider
@@ -29,7 +29,7 @@ class JointSkill:
     """One way to move one joint to where a fact asks it to be; ``ways`` lead the free gripper to the ``contact``."""
 
     articulation: Articulation
-    contact: Contact
+    contact: GripContact
     ways: list[Pose]
 
     def run(self, world: World, reach_: Reach) -> Generator[Action, None, None]:
@@ -76,7 +76,7 @@ def _alike(a: Pose, b: Pose) -> bool:
     )
 
 
-def _contacts(world: World, art: Articulation) -> Iterator[Contact]:
+def _contacts(world: World, art: Articulation) -> Iterator[GripContact]:
     if art.slides:
         yield from drawer.pulls(world, art) if drawer.opens(world, art) else drawer.pushes(world, art)
     elif float(art.radii(world.points([art.body])).max()) < KNOB:

@@ -18,7 +18,7 @@ from runtime.worlds.libero.skills.route import glide, loose, route, travel
 from runtime.worlds.libero.skills.transit import transit
 from runtime.worlds.libero.skills.world import World
 
-__all__ = ["Contact", "actuate", "drive", "feasible", "reachable"]
+__all__ = ["GripContact", "actuate", "drive", "feasible", "reachable"]
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ SLACK = 0.006  # metres that a pushing gripper must be free to go on
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Contact:
+class GripContact:
     """``pose`` of the gripper at the part as it stands; ``approach`` (3,) is the way from there back to free space.
 
     ``grips`` closes the fingers on the part, otherwise closed fingers push. ``follows`` is the share of the part's turn
@@ -62,7 +62,7 @@ class Contact:
         return self.pose.moved(self.approach)
 
 
-def target(art: Articulation, contact: Contact, start: float, position: float) -> Pose:
+def target(art: Articulation, contact: GripContact, start: float, position: float) -> Pose:
     """Where the gripper is when the joint, at ``start`` while it stood at ``contact.pose``, is at ``position``."""
     moved = art.displacement(start, position) @ contact.pose
     if contact.follows >= 1.0 or art.slides:
@@ -71,7 +71,7 @@ def target(art: Articulation, contact: Contact, start: float, position: float) -
     return Pose(moved.position, turned @ contact.pose.rotation)
 
 
-def feasible(world: World, reach_: Reach, art: Articulation, contacts: Iterable[Contact]) -> Iterator[Contact]:
+def feasible(world: World, reach_: Reach, art: Articulation, contacts: Iterable[GripContact]) -> Iterator[GripContact]:
     """Those of ``contacts`` that the arm reaches, from before the contact until the joint is at its goal.
 
     First those that touch nothing else; then those that would push movable objects aside.
@@ -92,7 +92,9 @@ def feasible(world: World, reach_: Reach, art: Articulation, contacts: Iterable[
                     break
 
 
-def _reached(world: World, reach_: Reach, art: Articulation, contact: Contact, touches: Mapping[int, float]) -> bool:
+def _reached(
+    world: World, reach_: Reach, art: Articulation, contact: GripContact, touches: Mapping[int, float]
+) -> bool:
     start = art.position(world)
     aperture = WIDE if contact.grips else 0.0
     at = reach_.solve(contact.before, reach_.begin(), aperture=aperture, touches=touches)
@@ -112,8 +114,8 @@ def _reached(world: World, reach_: Reach, art: Articulation, contact: Contact, t
 
 
 def reachable(
-    world: World, reach_: Reach, art: Articulation, contacts: Iterable[Contact]
-) -> Iterator[tuple[Contact, list[Pose]]]:
+    world: World, reach_: Reach, art: Articulation, contacts: Iterable[GripContact]
+) -> Iterator[tuple[GripContact, list[Pose]]]:
     """Those of ``contacts`` that are :func:`feasible` and to which a way leads, with that way.
 
     Where no way leads to any of them, their order stands, and the way is the one from above.
@@ -129,7 +131,7 @@ def reachable(
 
 
 def actuate(
-    world: World, art: Articulation, contact: Contact, ways: Sequence[Pose] = ()
+    world: World, art: Articulation, contact: GripContact, ways: Sequence[Pose] = ()
 ) -> Generator[Action, None, None]:
     """Go ``ways`` to ``contact``, move the joint past its bound, let go and withdraw.
 
@@ -161,14 +163,14 @@ def actuate(
         raise SkillFault("missed", f"the joint stands at {art.position(world):.4f}, its bound is {art.bound:.4f}")
 
 
-def _closing(world: World, contact: Contact) -> bool:
+def _closing(world: World, contact: GripContact) -> bool:
     """Whether the fingers can begin to close on the way: they need some steps for it, and are wide open still."""
     left = contact.pose.position - world.eef.position
     ahead = float(left @ contact.pose.rotation[:, 2])
     return contact.slim and ahead < EARLY and float(np.linalg.norm(left)) < np.hypot(ahead, ASIDE)
 
 
-def drive(world: World, art: Articulation, contact: Contact) -> Generator[Action, None, bool]:
+def drive(world: World, art: Articulation, contact: GripContact) -> Generator[Action, None, bool]:
     """Follow the joint with the gripper a little ahead of it; True when the goal, or at least the bound, is passed."""
     start = art.position(world)
     reference = contact.pose.position
@@ -194,7 +196,7 @@ def drive(world: World, art: Articulation, contact: Contact) -> Generator[Action
     return art.sign * (art.coasting(world, LETTING_GO) - (art.bound if contact.until is None else aim)) > 0.0
 
 
-def _rest(world: World, art: Articulation, contact: Contact) -> Generator[Action, None, None]:
+def _rest(world: World, art: Articulation, contact: GripContact) -> Generator[Action, None, None]:
     """Wait where the satisfied side is so narrow that the joint's limit may throw it back out.
 
     A joint that is held is turned back from its limit into the middle of that side; what was pushed comes apart slowly.
@@ -212,7 +214,7 @@ def _rest(world: World, art: Articulation, contact: Contact) -> Generator[Action
             return
 
 
-def withdraw(world: World, contact: Contact) -> Generator[Action, None, None]:
+def withdraw(world: World, contact: GripContact) -> Generator[Action, None, None]:
     """Let go, and leave the part without touching it again."""
     if contact.grips:
         yield from grip(world, OPEN, RELEASE)

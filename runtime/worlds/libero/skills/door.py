@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.worlds.libero.skills.contact import Contact, twist_cost
+from runtime.worlds.libero.skills.contact import GripContact, twist_cost
 from runtime.worlds.libero.skills.frames import Pose, frame
 from runtime.worlds.libero.skills.grasping import TIP
 from runtime.worlds.libero.skills.handles import protruding
@@ -34,12 +34,12 @@ THICKEST = 0.07
 BAND = 0.012  # metres on either side of the finger that count as in its way
 
 
-def sweeps(world: World, art: Articulation) -> Iterator[Contact]:
+def sweeps(world: World, art: Articulation) -> Iterator[GripContact]:
     """Closed fingers beside the leaf, on the side that it has to turn away from."""
     yield from sorted(_beside(world, art), key=lambda contact: contact.cost)
 
 
-def _beside(world: World, art: Articulation) -> Iterator[Contact]:
+def _beside(world: World, art: Articulation) -> Iterator[GripContact]:
     points = world.points([art.body])
     radii = art.radii(points)
     width, top = float(radii.max()), float(points[:, 2].max())
@@ -58,10 +58,10 @@ def _beside(world: World, art: Articulation) -> Iterator[Contact]:
         position = at + (behind - float(at @ way) - float((corners @ way).max()) - 0.003) * way
         position = np.array([position[0], position[1], top - depth - float(corners[:, 2].min())])
         cost = twist_cost(world, rotation) + 20 * (1 - fraction)
-        yield Contact(Pose(position, rotation), -CLEAR * way, False, 0.0, cost)
+        yield GripContact(Pose(position, rotation), -CLEAR * way, False, 0.0, cost)
 
 
-def pulls(world: World, art: Articulation) -> Iterator[Contact]:
+def pulls(world: World, art: Articulation) -> Iterator[GripContact]:
     """Grips of the leaf's handle that open it far enough to be swept from behind; the handle turns in the fingers."""
     points = world.points([art.body])
     out = art.direction(points[int(art.radii(points).argmax())])
@@ -76,4 +76,4 @@ def pulls(world: World, art: Articulation) -> Iterator[Contact]:
         approach = -math.cos(angle) * out - math.sin(angle) * UP
         rotation = frame(approach, handle.thin)
         position = handle.centre - (TIP - PAD) * approach
-        yield Contact(Pose(position, rotation), -BACK * approach, True, 0.0, twist_cost(world, rotation), until)
+        yield GripContact(Pose(position, rotation), -BACK * approach, True, 0.0, twist_cost(world, rotation), until)

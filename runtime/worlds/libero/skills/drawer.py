@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.worlds.libero.skills.contact import Contact, twist_cost
+from runtime.worlds.libero.skills.contact import GripContact, twist_cost
 from runtime.worlds.libero.skills.frames import Pose, axis_angle, frame
 from runtime.worlds.libero.skills.grasping import TIP
 from runtime.worlds.libero.skills.handles import Handle, protruding
@@ -46,7 +46,7 @@ def opens(world: World, art: Articulation) -> bool:
     return bool((points @ way).max() > (rest @ way).max())
 
 
-def pulls(world: World, art: Articulation) -> Iterator[Contact]:
+def pulls(world: World, art: Articulation) -> Iterator[GripContact]:
     """Grips of what protrudes farthest along the joint's way."""
     out = art.sign * art.axis
     handle = protruding(world.points([art.body]), out)
@@ -59,17 +59,17 @@ def pulls(world: World, art: Articulation) -> Iterator[Contact]:
         position = handle.centre + along * handle.long - (TIP - PAD) * approach
         cost = twist_cost(world, rotation) + 100 * abs(along)
         slim = roll == 0.0 and handle.thickness < SLIM
-        yield Contact(Pose(position, rotation), -BACK * approach, True, 1.0, cost, slim=slim)
+        yield GripContact(Pose(position, rotation), -BACK * approach, True, 1.0, cost, slim=slim)
 
 
-def pushes(world: World, art: Articulation) -> Iterator[Contact]:
+def pushes(world: World, art: Articulation) -> Iterator[GripContact]:
     """Closed fingers before the front of the part, from above or slanting."""
     way = art.sign * art.axis
     handle = protruding(world.points([art.body]), -way)
     yield from sorted(_leaning(world, handle, way), key=lambda contact: contact.cost)
 
 
-def _leaning(world: World, handle: Handle, way: Array) -> Iterator[Contact]:
+def _leaning(world: World, handle: Handle, way: Array) -> Iterator[GripContact]:
     front = handle.centre - 0.5 * handle.depth * way
     for along, tilt, across in itertools.product(ALONG, TILTS, (False, True)):
         angle = math.radians(tilt)
@@ -82,4 +82,4 @@ def _leaning(world: World, handle: Handle, way: Array) -> Iterator[Contact]:
         position = anchor - (foremost + 0.002) * way
         position = np.array([position[0], position[1], anchor[2] - BELOW - lowest])
         cost = twist_cost(world, rotation) + 100 * abs(along)
-        yield Contact(Pose(position, rotation), -CLEAR * way, False, 1.0, cost)
+        yield GripContact(Pose(position, rotation), -CLEAR * way, False, 1.0, cost)

@@ -30,11 +30,11 @@ from runtime.worlds.libero.simulator.compiled import CompiledScene
 from runtime.worlds.libero.simulator.native import versions
 from runtime.worlds.libero.simulator.simulation import Simulation
 from runtime.worlds.libero.simulator.snapshot import Snapshot
-from runtime.worlds.libero.skills.order import Step, diagnose_step
-from runtime.worlds.libero.skills.play import Played, Try
-from runtime.worlds.libero.skills.replay import Replay
+from runtime.worlds.libero.skills.order import GoalStep, diagnose_step
+from runtime.worlds.libero.skills.play import PlayedEpisode, SkillAttempt
+from runtime.worlds.libero.skills.replay import NativeReplay
 
-__all__ = ["Performance", "Plays", "Stage"]
+__all__ = ["EpisodePlayer", "EpisodeRecord", "Plays"]
 
 Array = NDArray[np.float64]
 
@@ -46,17 +46,17 @@ _FAULTS = frozenset(("unreachable", "lost", "missed", "blocked"))
 class Plays(Protocol):
     """What plays episodes of one goal; :class:`~runtime.worlds.libero.skills.play.Player` does."""
 
-    def reactive(self, sim: Simulation, horizon: int) -> Played:
+    def reactive(self, sim: Simulation, horizon: int) -> PlayedEpisode:
         """Play from the present state for at most ``horizon`` control steps, without looking ahead."""
         ...
 
-    def lookahead(self, sim: Simulation, horizon: int) -> Played:
+    def lookahead(self, sim: Simulation, horizon: int) -> PlayedEpisode:
         """The same, with rehearsals of each decision in a fork."""
         ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Performance:
+class EpisodeRecord:
     """A recorded episode, and what it went through: ``actions`` (n, 7) and ``qpos`` (n + 1, nq).
 
     Attempt k took the actions from ``bounds[k]`` up to ``bounds[k + 1]``: none, where no skill had a way.
@@ -73,16 +73,16 @@ class _Watched(Simulation):
 
     fault: RunFault | None = None
 
-    def step(self, action: ArrayLike, glance: Callable[[], object] | None = None) -> None:
+    def step(self, action: ArrayLike, before_last_substep: Callable[[], object] | None = None) -> None:
         try:
-            super().step(action, glance)
+            super().step(action, before_last_substep)
         except RunFault as fault:
             self.fault = fault
             raise
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stage:
+class EpisodePlayer:
     """A task's scene, which ``player`` plays in and ``replay`` judges; each episode starts by a state write.
 
     ``maker`` names in the record whose candidates were carried out.
@@ -93,7 +93,7 @@ class Stage:
     knowledge: Knowledge
     scene: CompiledScene
     player: Plays
-    replay: Replay
+    replay: NativeReplay
     maker: str = "geometry"
 
     def perform(
@@ -104,7 +104,7 @@ class Stage:
         state: ArrayLike | None = None,
         look_ahead: bool = False,
         report: Callable[[Attempt], None] | None = None,
-    ) -> Performance:
+    ) -> EpisodeRecord:
         """Start from official initial state ``state_index`` (or, GIVEN, a flat ``state``), settle, play, and record.
 
         ``report`` is called with each attempt as soon as it is recorded.
@@ -121,7 +121,7 @@ class Stage:
             raise OntoError.of("SIM019", f"`{self.ref.name}` diverged while its state settled: {fault}") from fault
         start = sim.snapshot()
         played = (self.player.lookahead if look_ahead else self.player.reactive)(sim, horizon)
-        take = _Take(self, played, start, sim.fault, report)
+        take = _NativeRun(self, played, start, sim.fault, report)
         take.run()
         broken = bool(take.attempts and take.attempts[-1].fault)
         if not broken and not np.array_equal(self.replay.qpos, sim.data.qpos):
@@ -150,7 +150,7 @@ class Stage:
             provenance=(*versions().items(), *settings.items()),
         )
         actions = played.actions[: self.replay.steps]
-        return Performance(episode, actions, np.array(take.qpos), tuple(take.bounds))
+        return EpisodeRecord(episode, actions, np.array(take.qpos), tuple(take.bounds))
 
     def _official(self, sim: Simulation, state_index: int) -> Array:
         states = initial_states(self.ref) if self.ref.initial_states.is_file() else sim.flat_state[None]
@@ -162,11 +162,11 @@ class Stage:
 
 
 @dataclass(slots=True)
-class _Take:
+class _NativeRun:
     """The native run of what was played."""
 
-    stage: Stage
-    played: Played
+    stage: EpisodePlayer
+    played: PlayedEpisode
     start: Snapshot
     fault: RunFault | None  # of the play
     report: Callable[[Attempt], None] | None
@@ -200,7 +200,7 @@ class _Take:
         if self.report is not None:
             self.report(attempt)
 
-    def _idle(self, left: Sequence[Step]) -> Attempt | None:
+    def _idle(self, left: Sequence[GoalStep]) -> Attempt | None:
         """The attempt without an application: the first of the steps ``left`` whose route had no candidate."""
         observation, (_, verification) = self.stage.replay.observe(), self.end()
         for step in left:
@@ -220,7 +220,7 @@ class _Take:
         open_ = unmet(self.stage.required, self.stage.replay.observe())
         return "unresolved" if open_ else "grounding_verifier_disagreement", verification
 
-    def _attempt(self, each: Try, broken: str) -> Attempt:
+    def _attempt(self, each: SkillAttempt, broken: str) -> Attempt:
         replay, index = self.stage.replay, len(self.attempts)
         observation, before, first = replay.observe(), replay.qpos, replay.steps
         diagnoses, selected = self._diagnosed(each.fact, observation)
@@ -261,7 +261,7 @@ class _Take:
         seen = self.stage.replay.observe_conditions()
         status = evidence_status([each.fact for each in required.preconditions], seen)
         return [
-            diagnose_step(Step(each.fact, index, precondition=True), required, observation, seen, knowledge)
+            diagnose_step(GoalStep(each.fact, index, precondition=True), required, observation, seen, knowledge)
             for index, each in enumerate(required.preconditions)
             if status[index] != STATUSES.index(SATISFIED)
         ]
@@ -279,7 +279,7 @@ class _Take:
                 return decision
         return None
 
-    def _proposal(self, each: Try, decision: RouteDecision) -> Proposal:
+    def _proposal(self, each: SkillAttempt, decision: RouteDecision) -> Proposal:
         name = self.stage.knowledge.schema.routes[decision.route].name
         key = (*_key(decision.diagnosis), decision.route)
         self.offered[key] += 1

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.worlds.libero.skills.contact import Contact, twist_cost
+from runtime.worlds.libero.skills.contact import GripContact, twist_cost
 from runtime.worlds.libero.skills.frames import Pose, frame
 from runtime.worlds.libero.skills.grasping import TIP
 from runtime.worlds.libero.skills.handles import Handle, protruding
@@ -30,7 +30,7 @@ SLIM = 0.03
 WIDEST = 0.072
 
 
-def twists(world: World, art: Articulation) -> Iterator[Contact]:
+def twists(world: World, art: Articulation) -> Iterator[GripContact]:
     """Grips across the thinner side of what stands out of the part along its axis."""
     up = art.axis if art.axis[2] >= 0.0 else -art.axis
     handle = protruding(world.points([art.body]), up, TOP)
@@ -39,7 +39,7 @@ def twists(world: World, art: Articulation) -> Iterator[Contact]:
     yield from sorted(_grips(world, art, handle, up), key=_cost)
 
 
-def _grips(world: World, art: Articulation, handle: Handle, up: Array) -> Iterator[Contact]:
+def _grips(world: World, art: Articulation, handle: Handle, up: Array) -> Iterator[GripContact]:
     top = art.anchor + ((handle.centre - art.anchor) @ up + 0.5 * handle.depth) * up
     forward = handle.long * (1.0 if handle.long @ (art.anchor - world.base) >= 0.0 else -1.0)
     for pad, lean in itertools.product(PADS, LEANS):
@@ -48,8 +48,8 @@ def _grips(world: World, art: Articulation, handle: Handle, up: Array) -> Iterat
         rotation = frame(approach, handle.thin)
         position = top - pad * up - TIP * approach
         cost = 0.5 * abs(lean - LEANS[0]) + 0.3 * twist_cost(world, rotation) + 300 * abs(pad - PADS[0])
-        yield Contact(Pose(position, rotation), -BACK * approach, True, 1.0, cost, slim=handle.thickness < SLIM)
+        yield GripContact(Pose(position, rotation), -BACK * approach, True, 1.0, cost, slim=handle.thickness < SLIM)
 
 
-def _cost(contact: Contact) -> float:
+def _cost(contact: GripContact) -> float:
     return contact.cost

@@ -17,11 +17,11 @@ from runtime.worlds.libero.skills.slide import lies_flat, slide, slides
 from runtime.worlds.libero.skills.transfer import transfer, transfers
 from runtime.worlds.libero.skills.world import World
 
-__all__ = ["Carrying", "MovingJoints", "Offer"]
+__all__ = ["Carrying", "MovingJoints", "SkillCandidate"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Offer:
+class SkillCandidate:
     """One way to satisfy a fact: ``run`` gives its motion; ``poses`` are the grasps that count as tried with it."""
 
     run: Callable[[World, Reach], Generator[Action, None, None]]
@@ -37,10 +37,10 @@ class MovingJoints:
     def __init__(self, schema: Schema) -> None:
         self._schema = schema
 
-    def candidates(self, request: SkillRequest) -> Iterator[Offer]:
+    def candidates(self, request: SkillRequest) -> Iterator[SkillCandidate]:
         """A handle to pull, a knob to twist, a front to push: the best first."""
         for skill in joint_skills(request.world, request.reach, self._schema, request.fact, request.tried):
-            yield Offer(skill.run, (skill.contact.pose,), "handle, knob or front")
+            yield SkillCandidate(skill.run, (skill.contact.pose,), "handle, knob or front")
 
 
 class Carrying:
@@ -51,7 +51,7 @@ class Carrying:
     def __init__(self, schema: Schema) -> None:
         self._schema = schema
 
-    def candidates(self, request: SkillRequest) -> Iterator[Offer]:
+    def candidates(self, request: SkillRequest) -> Iterator[SkillCandidate]:
         """Pairs of a grasp and a spot, the best first; before them pushes, of what lies flat where it has to go."""
         world, reach = request.world, request.reach
         place = place_of(world.index, request.fact)
@@ -60,12 +60,13 @@ class Carrying:
         if lies_flat(world, place):
             goal = world.site_pose(str(place.site)).position[:2]
             for push in slides(world, reach, place.subject, goal):
-                yield Offer(lambda w, _, plan=push: slide(w, plan), (), f"push, hand leaning {push.tilt:.2f} rad")  # type: ignore[misc]
+                note = f"push, hand leaning {push.tilt:.2f} rad"
+                yield SkillCandidate(lambda w, _, plan=push: slide(w, plan), (), note)  # type: ignore[misc]
         holds = request.holds or (lambda _: True)
         for number, plan in enumerate(transfers(world, reach, place, holds, request.tried, request.sharing)):
             if number == 0 and not request.tried and cramped(world, place, plan.spot):
                 for skill in widening_skills(world, reach, self._schema, request.fact, request.tried):
-                    yield Offer(skill.run, (skill.contact.pose,), "the drawer further open")
+                    yield SkillCandidate(skill.run, (skill.contact.pose,), "the drawer further open")
                     break
             note = f"grasp {1000 * plan.grasp.width:.0f} mm wide, let go {1000 * plan.release:.0f} mm above"
-            yield Offer(lambda w, _, plan=plan: transfer(w, plan), (plan.grasp.pose,), note)  # type: ignore[misc]
+            yield SkillCandidate(lambda w, _, plan=plan: transfer(w, plan), (plan.grasp.pose,), note)  # type: ignore[misc]

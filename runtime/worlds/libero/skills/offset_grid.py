@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from onto_compiler.schema import Schema
 from runtime.worlds.libero.scene.geometry import level
-from runtime.worlds.libero.scene.targets import Place, place_of
+from runtime.worlds.libero.scene.targets import PlacementTarget, place_of
 from runtime.worlds.libero.skills.frames import Pose
 from runtime.worlds.libero.skills.grasping import Grasp
 from runtime.worlds.libero.skills.heights import relief_of, underside
@@ -100,7 +100,7 @@ def offsets(side: Array) -> Iterator[tuple[tuple[float, float], Array]]:
         yield (away, aside), away * along + aside * across
 
 
-def _spots(world: World, target: Place, landmark: str) -> Iterator[tuple[tuple[float, float], Spot]]:
+def _spots(world: World, target: PlacementTarget, landmark: str) -> Iterator[tuple[tuple[float, float], Spot]]:
     origin = world.pose(landmark).position
     body = world.pose(target.subject)
     upright = level(body.rotation)

@@ -18,7 +18,7 @@ from onto_compiler.tables import EXPLICITLY_FALSE, SATISFIED, STATUSES
 from runtime.loop.diagnosis import by_distance, diagnose, evidence_status
 from runtime.loop.records import Diagnosis
 
-__all__ = ["Step", "diagnose_step", "preconditions", "ready", "sequence"]
+__all__ = ["GoalStep", "diagnose_step", "preconditions", "ready", "sequence"]
 
 _SATISFIED, _FALSE = STATUSES.index(SATISFIED), STATUSES.index(EXPLICITLY_FALSE)
 _LAST = 1000  # the priority of a fact that no rule speaks of
@@ -26,7 +26,7 @@ Key = tuple[bool, int]  # whether it is a precondition, and its place among thos
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class GoalStep:
     """A fact to bring about: ``index`` is its place in ``required.preconditions`` if it is one, else in ``.facts``."""
 
     fact: Fact
@@ -47,7 +47,7 @@ def preconditions(required: RequiredABox) -> tuple[tuple[Fact, ...], ...]:
 
 def ready(
     required: RequiredABox, observed: Observation, conditions: Observation, knowledge: Knowledge
-) -> tuple[Step, ...]:
+) -> tuple[GoalStep, ...]:
     """What is left to do, the next step first; empty where the nearest alternative of the goal holds.
 
     ``observed`` is aligned with ``required.facts`` and ``conditions`` with ``required.preconditions``.
@@ -68,7 +68,7 @@ def sequence(
     conditions: Sequence[int],
     knowledge: Knowledge,
     way: Sequence[int] | None = None,
-) -> tuple[Step, ...]:
+) -> tuple[GoalStep, ...]:
     """As :func:`ready`, of statuses given as places in :data:`onto_compiler.tables.STATUSES`.
 
     ``way`` are the facts that count; without it all do. A fact comes after its unmet preconditions; one that excludes a
@@ -82,7 +82,7 @@ def sequence(
 
 
 def diagnose_step(
-    step: Step, required: RequiredABox, observed: Observation, conditions: Observation, knowledge: Knowledge
+    step: GoalStep, required: RequiredABox, observed: Observation, conditions: Observation, knowledge: Knowledge
 ) -> Diagnosis:
     """The diagnosis of the fact of ``step``, which must be unmet in its observation (see :func:`ready`).
 
@@ -103,9 +103,9 @@ class _Play:
     way: tuple[int, ...]
     facts: list[int]  # statuses, as the play goes on
     conditions: list[int]
-    done: list[Step] = field(default_factory=list)
+    done: list[GoalStep] = field(default_factory=list)
 
-    def steps(self) -> tuple[Step, ...]:
+    def steps(self) -> tuple[GoalStep, ...]:
         seen: set[Key] = set()
         while (key := self._next()) is not None:
             if key in seen:
@@ -154,7 +154,7 @@ class _Play:
 
     def _take(self, key: Key) -> None:
         fact = self._fact(key)
-        self.done.append(Step(fact, key[1], key[0]))
+        self.done.append(GoalStep(fact, key[1], key[0]))
         for statuses, others in (
             (self.facts, list(self.required.facts)),
             (self.conditions, [each.fact for each in self.required.preconditions]),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.worlds.libero.scene.geometry import level
-from runtime.worlds.libero.scene.targets import Place
+from runtime.worlds.libero.scene.targets import PlacementTarget
 from runtime.worlds.libero.skills.fault import SkillFault
 from runtime.worlds.libero.skills.frames import Pose, axis_angle, rotation_vector
 from runtime.worlds.libero.skills.heights import CELL, relief_of, underside
@@ -69,7 +69,9 @@ def cost_of(spot: Spot) -> float:
     return spot.cost
 
 
-def spots(world: World, target: Place, turn: Array, holds: Callable[[Pose], bool], sharing: int = 1) -> list[Spot]:
+def spots(
+    world: World, target: PlacementTarget, turn: Array, holds: Callable[[Pose], bool], sharing: int = 1
+) -> list[Spot]:
     """Where an object comes to rest in its ``target`` when it is let go upright, then turned by ``turn`` (3, 3).
 
     Upright is along the z of the target's site: a rack holds a bottle along its slope. The best come first. ``holds``
@@ -98,7 +100,7 @@ def spots(world: World, target: Place, turn: Array, holds: Callable[[Pose], bool
     return [entered for spot in some for entered in _entered(spot, cloud, near)]
 
 
-def cramped(world: World, target: Place, spot: Spot) -> bool:
+def cramped(world: World, target: PlacementTarget, spot: Spot) -> bool:
     """Whether ``spot`` is on the rim of what the object has to be in, rather than on its floor."""
     if target.site is None or not target.contains:
         return False
@@ -175,7 +177,7 @@ def _stood(axis: Array) -> Array:
     return axis_angle(turn / sine, float(np.arctan2(sine, axis[2])))
 
 
-def _area(world: World, target: Place) -> tuple[Pose, Array]:
+def _area(world: World, target: PlacementTarget) -> tuple[Pose, Array]:
     """Frame and half extents of where the object's origin has to be.
 
     The z of the frame is vertical where one axis of the site is: a drawer's site has it along another.

@@ -30,13 +30,13 @@ from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION, Simulation
 from runtime.worlds.libero.skills.fault import SkillFault
 from runtime.worlds.libero.skills.frames import Pose
 from runtime.worlds.libero.skills.motion import OPEN, Action, grip, reach
-from runtime.worlds.libero.skills.order import Step, diagnose_step, ready
-from runtime.worlds.libero.skills.protocol import Plan, SkillRequest
+from runtime.worlds.libero.skills.order import GoalStep, diagnose_step, ready
+from runtime.worlds.libero.skills.protocol import SkillPlan, SkillRequest
 from runtime.worlds.libero.skills.reach import Reach
 from runtime.worlds.libero.skills.registry import load_skills
-from runtime.worlds.libero.skills.world import Shapes, World
+from runtime.worlds.libero.skills.world import SurfacePoints, World
 
-__all__ = ["Played", "Player", "Try"]
+__all__ = ["PlayedEpisode", "Player", "SkillAttempt"]
 
 Array = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ _OVER = "horizon"
 
 
 @dataclass(frozen=True, slots=True)
-class Try:
+class SkillAttempt:
     """One skill that was carried out: for which fact, by which route, which candidate, how long, and with what end.
 
     ``outcome`` is ``held`` where the fact was true afterwards, ``unmet`` where it was not, the kind of the
@@ -64,18 +64,18 @@ class Try:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Played:
+class PlayedEpisode:
     """The actions of an episode (n, 7), what was tried, and what the goal's facts were at the end.
 
     ``left`` is what was still to do, the next step first, where it ended because no skill had a way to any of it.
     """
 
     actions: Array
-    tries: tuple[Try, ...]
+    tries: tuple[SkillAttempt, ...]
     final: Observation
     holds: bool
     rehearsed: int  # control steps in forks
-    left: tuple[Step, ...] = ()
+    left: tuple[GoalStep, ...] = ()
 
 
 class _HorizonReached(Exception):  # noqa: N818 - the end of an episode, not an error
@@ -91,7 +91,7 @@ class _Episode:
     reach: Reach
     horizon: int
     actions: list[Action] = field(default_factory=list)
-    tries: list[Try] = field(default_factory=list)
+    tries: list[SkillAttempt] = field(default_factory=list)
     tried: dict[str, list[Pose]] = field(default_factory=dict)
     rehearsed: int = 0
 
@@ -114,14 +114,14 @@ class Player:
         self.grounder = SimGrounder(scene.index, required.facts, schema)
         self.conditions = SimGrounder(scene.index, [each.fact for each in required.preconditions], schema)
         self.skills = {name: make(schema) for name, make in load_skills(schema).items()}
-        self.shapes = Shapes(scene)
+        self.shapes = SurfacePoints(scene)
         self._scratch = mujoco.MjData(scene.model)
 
-    def reactive(self, sim: Simulation, horizon: int) -> Played:
+    def reactive(self, sim: Simulation, horizon: int) -> PlayedEpisode:
         """Play from the present state of ``sim`` for at most ``horizon`` control steps."""
         return self._play(self._begin(sim, horizon), candidates=1)
 
-    def lookahead(self, sim: Simulation, horizon: int, candidates: int = CANDIDATES) -> Played:
+    def lookahead(self, sim: Simulation, horizon: int, candidates: int = CANDIDATES) -> PlayedEpisode:
         """The same, with up to ``candidates`` rehearsals of each decision in a fork of ``sim``."""
         return self._play(self._begin(sim, horizon), candidates=candidates)
 
@@ -129,8 +129,8 @@ class Player:
         world = World(sim, self.shapes)
         return _Episode(sim, world, Reach(world), horizon)
 
-    def _play(self, episode: _Episode, candidates: int) -> Played:
-        left: tuple[Step, ...] = ()
+    def _play(self, episode: _Episode, candidates: int) -> PlayedEpisode:
+        left: tuple[GoalStep, ...] = ()
         try:
             while len(episode.actions) < episode.horizon:
                 if not self._act(episode, candidates):
@@ -139,7 +139,7 @@ class Player:
         except (_HorizonReached, RunFault):
             pass
         final = self.grounder.observe(episode.sim.data)
-        return Played(
+        return PlayedEpisode(
             np.array(episode.actions).reshape(-1, len(DUMMY_ACTION)),
             tuple(episode.tries),
             final,
@@ -148,7 +148,7 @@ class Player:
             left,
         )
 
-    def _steps(self, sim: Simulation) -> tuple[Step, ...]:
+    def _steps(self, sim: Simulation) -> tuple[GoalStep, ...]:
         """What is left to do, the next step first."""
         observed, conditions = self.grounder.observe(sim.data), self.conditions.observe(sim.data)
         return ready(self.required, observed, conditions, self.knowledge)
@@ -173,7 +173,7 @@ class Player:
                 tried.clear()  # the world has changed since: what failed before may do now
         return False
 
-    def _record(self, episode: _Episode, step: Step, decision: RouteDecision, plan: Plan) -> None:
+    def _record(self, episode: _Episode, step: GoalStep, decision: RouteDecision, plan: SkillPlan) -> None:
         before, outcome, reason = len(episode.actions), _OVER, ""
         number = 1 + sum(each.fact == str(step.fact) for each in episode.tries)
         try:
@@ -181,9 +181,9 @@ class Player:
         finally:
             steps = len(episode.actions) - before
             route = local_name(decision.route)
-            episode.tries.append(Try(str(step.fact), route, number, plan.note, steps, outcome, reason))
+            episode.tries.append(SkillAttempt(str(step.fact), route, number, plan.note, steps, outcome, reason))
 
-    def _route(self, episode: _Episode, step: Step) -> RouteDecision | None:
+    def _route(self, episode: _Episode, step: GoalStep) -> RouteDecision | None:
         """The declared route of the action level for a step: dispatched at first, retried after."""
         data = episode.sim.data
         diagnosis = diagnose_step(
@@ -194,10 +194,12 @@ class Player:
             return first
         return route_or_none(diagnosis, self.knowledge, REPEAT, first.route, level="action")
 
-    def _choose(self, episode: _Episode, step: Step, found: Iterator[Plan], candidates: int) -> Plan | None:
+    def _choose(
+        self, episode: _Episode, step: GoalStep, found: Iterator[SkillPlan], candidates: int
+    ) -> SkillPlan | None:
         return next(found, None) if candidates <= 1 else self._rehearse(episode, step, found, candidates)
 
-    def _carry_out(self, episode: _Episode, plan: Plan, step: Step) -> tuple[str, str]:
+    def _carry_out(self, episode: _Episode, plan: SkillPlan, step: GoalStep) -> tuple[str, str]:
         """The outcome, and why where it gave up."""
         world = episode.world
         try:
@@ -209,18 +211,20 @@ class Player:
             return fault.kind, str(fault)
         return "held" if self._true(episode.sim, step) else "unmet", ""
 
-    def _true(self, sim: Simulation, step: Step) -> bool:
+    def _true(self, sim: Simulation, step: GoalStep) -> bool:
         grounder = self.conditions if step.precondition else self.grounder
         return bool(grounder.truth(sim.data)[step.index]) == step.fact.polarity
 
-    def _rehearse(self, episode: _Episode, step: Step, found: Iterator[Plan], candidates: int) -> Plan | None:
+    def _rehearse(
+        self, episode: _Episode, step: GoalStep, found: Iterator[SkillPlan], candidates: int
+    ) -> SkillPlan | None:
         """Try plans in a fork, each with the rest of the episode played reactively; the first that reaches the goal.
 
         Where none does, the one after which least was left to do.
         """
         fork = Simulation(self.scene, exact=episode.sim.exact)
         start = episode.sim.snapshot()
-        best: tuple[int, Plan] | None = None
+        best: tuple[int, SkillPlan] | None = None
         for plan in islice(found, candidates):
             fork.restore(start)
             trial = self._fork_of(episode, fork)
@@ -246,7 +250,7 @@ class Player:
         trial.tried = {fact: list(poses) for fact, poses in episode.tried.items()}
         return trial
 
-    def _request(self, world: World, reach_: Reach, step: Step, tried: Sequence[Pose]) -> SkillRequest:
+    def _request(self, world: World, reach_: Reach, step: GoalStep, tried: Sequence[Pose]) -> SkillRequest:
         sharing = slot_of(self.required, step.fact)[1]
         holds = None if step.precondition else self._holds(world, step.index)
         return SkillRequest(world, reach_, step.fact, self.knowledge.schema, holds, tried, sharing)

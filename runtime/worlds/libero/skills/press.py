@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.worlds.libero.scene.targets import Place
+from runtime.worlds.libero.scene.targets import PlacementTarget
 from runtime.worlds.libero.skills.frames import Pose, frame, nearest_twin
 from runtime.worlds.libero.skills.grasping import TIP
 from runtime.worlds.libero.skills.motion import CLOSED, Motion, action_towards, reach
@@ -27,7 +27,7 @@ CREEP = 0.01
 STEPS = 35
 
 
-def inward(world: World, place: Place) -> Array | None:
+def inward(world: World, place: PlacementTarget) -> Array | None:
     """The direction (3,) in which the drawer of ``place`` shuts; None where it is in no drawer."""
     if place.site is None or not place.contains:
         return None

@@ -15,7 +15,7 @@ from runtime.worlds.libero.skills.frames import Pose
 from runtime.worlds.libero.skills.reach import Reach
 from runtime.worlds.libero.skills.world import World
 
-__all__ = ["Plan", "Skill", "SkillRequest"]
+__all__ = ["Skill", "SkillPlan", "SkillRequest"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +35,7 @@ class SkillRequest:
     sharing: int = 1
 
 
-class Plan(Protocol):
+class SkillPlan(Protocol):
     """One way to make a fact true."""
 
     @property
@@ -62,6 +62,6 @@ class Skill(Protocol):
 
     name: str
 
-    def candidates(self, request: SkillRequest) -> Iterator[Plan]:
+    def candidates(self, request: SkillRequest) -> Iterator[SkillPlan]:
         """The plans for ``request``, the best first and none near what was tried; none where it cannot help."""
         ...

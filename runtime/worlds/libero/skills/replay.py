@@ -18,10 +18,10 @@ from runtime.worlds.libero.loop.environment import NativeEnvironment
 from runtime.worlds.libero.simulator.native import NativeTask
 from runtime.worlds.libero.simulator.snapshot import Snapshot
 
-__all__ = ["Replay"]
+__all__ = ["NativeReplay"]
 
 
-class Replay:
+class NativeReplay:
     """Goes through what was played, one native control step at a time; ``steps`` counts them from :meth:`begin`."""
 
     def __init__(self, task: NativeTask, required: RequiredABox, schema: Schema) -> None:

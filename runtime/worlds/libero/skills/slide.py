@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from runtime.worlds.libero.scene.targets import Place
+from runtime.worlds.libero.scene.targets import PlacementTarget
 from runtime.worlds.libero.skills.fault import SkillFault
 from runtime.worlds.libero.skills.frames import Pose, frame, nearest_twin
 from runtime.worlds.libero.skills.grasping import TIP
@@ -49,7 +49,7 @@ class Slide:
     goal: Array
 
 
-def lies_flat(world: World, target: Place) -> bool:
+def lies_flat(world: World, target: PlacementTarget) -> bool:
     """Whether the subject is low, and its target is a region of the surface that it lies on."""
     if target.site is None or target.parent is not None:
         return False

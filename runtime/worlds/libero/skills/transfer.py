@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.worlds.libero.scene.geometry import align_yaw
-from runtime.worlds.libero.scene.targets import Place
+from runtime.worlds.libero.scene.targets import PlacementTarget
 from runtime.worlds.libero.skills.frames import Pose, axis_angle, nearest_twin, wrapped
 from runtime.worlds.libero.skills.grasping import Grasp, Search
 from runtime.worlds.libero.skills.motion import Action
@@ -56,7 +56,7 @@ class Again(Generic[T]):
 class Transfer:
     """Take the subject of ``place`` by ``grasp`` and let it go ``release`` metres above ``spot``."""
 
-    place: Place
+    place: PlacementTarget
     grasp: Grasp
     spot: Spot
     release: float
@@ -65,7 +65,7 @@ class Transfer:
 def transfers(
     world: World,
     reach: Reach,
-    place_: Place,
+    place_: PlacementTarget,
     holds: Callable[[Pose], bool],
     tried: Sequence[Pose] = (),
     sharing: int = 1,
@@ -102,7 +102,7 @@ def _spread(found: Iterable[Spot]) -> list[Spot]:
     return ordered[:: max(1, len(ordered) // ENTERED)]
 
 
-def _turns(world: World, place_: Place) -> Iterator[tuple[Array, ...]]:
+def _turns(world: World, place_: PlacementTarget) -> Iterator[tuple[Array, ...]]:
     """Turns of the upright object to be tried together: what goes into something is first aligned with its sides.
 
     Last, what is too tall to stand in something is laid down.

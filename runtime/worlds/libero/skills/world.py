@@ -14,14 +14,14 @@ from runtime.worlds.libero.simulator.simulation import Simulation
 from runtime.worlds.libero.skills.clouds import body_cloud
 from runtime.worlds.libero.skills.frames import Pose
 
-__all__ = ["Shapes", "World"]
+__all__ = ["SurfacePoints", "World"]
 
 Array = NDArray[np.float64]
 
 _ROBOT = ("robot0_", "gripper0_", "mount0_")
 
 
-class Shapes:
+class SurfacePoints:
     """Surface points of every body of a scene, in the body's frame: computed once for a scene, when first asked for."""
 
     def __init__(self, scene: CompiledScene) -> None:
@@ -41,11 +41,11 @@ class Shapes:
 class World:
     """A reading view of ``sim``; nothing here changes it."""
 
-    def __init__(self, sim: Simulation, shapes: Shapes | None = None) -> None:
+    def __init__(self, sim: Simulation, shapes: SurfacePoints | None = None) -> None:
         self.sim = sim
         self.model, self.data = sim.model, sim.data
         self.index = sim.scene.index
-        self.shapes = shapes or Shapes(sim.scene)
+        self.shapes = shapes or SurfacePoints(sim.scene)
         self._site = sim.scene.arm.site
         fingers = sim.scene.arm.fingers
         joints = sim.model.actuator_trnid[fingers, 0]

@@ -80,14 +80,14 @@ class Filmer:
         marks = [self._mark(self._shoot())] if first == 0 else []
         seen: dict[str, Any] = {}
 
-        def glance() -> None:
+        def before_last_substep() -> None:
             seen["hand"] = self._observer.read(simulation.data)
             if seen["shoot"]:
                 seen["picture"] = self._shoot()
 
         for step, action in enumerate(actions, start=1):
             seen["shoot"] = step >= first and step % MACRO == 0
-            simulation.step(action, glance)
+            simulation.step(action, before_last_substep)
             observed.append(seen["hand"])
             if seen["shoot"]:
                 marks.append(self._mark(seen["picture"]))

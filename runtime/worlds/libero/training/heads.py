@@ -16,7 +16,7 @@ from runtime.training.frames import HORIZON, generator_of
 from runtime.worlds.libero.training.hand import HIDDEN
 from runtime.worlds.libero.training.windows import Windows
 
-__all__ = ["Ends", "Loss", "Sampler", "calibrate", "event_loss", "fact_loss", "sensed_all", "sensed_still"]
+__all__ = ["Loss", "WindowEnds", "WindowSampler", "calibrate", "event_loss", "fact_loss", "sensed_all", "sensed_still"]
 
 _WINDOWS = 48
 _BLUR = 0.1
@@ -27,7 +27,7 @@ Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ends:
+class WindowEnds:
     """R rows: what a head reads of a mark, and what is true of it.
 
     ``window`` (R,) and ``mark`` (R,) say of which it is.
@@ -61,20 +61,20 @@ def sensed_still(size: int) -> torch.Tensor:
     return torch.arange(size) < size - HIDDEN
 
 
-class Sampler:
-    """Draws :class:`Ends` from windows: for each its marks after the first, imagined by all members, and true."""
+class WindowSampler:
+    """Draws :class:`WindowEnds` from windows: for each its marks after the first, imagined by all members, and true."""
 
     def __init__(self, dynamics: Dynamics, data: Windows) -> None:
         self.dynamics, self.data = dynamics, data
         self._task = data.task
 
-    def drawn(self, random: np.random.Generator, count: int = _WINDOWS) -> Ends:
+    def drawn(self, random: np.random.Generator, count: int = _WINDOWS) -> WindowEnds:
         """The ends of ``count`` windows at random."""
-        found: Ends = self.ends(random.integers(len(self.data), size=count))
+        found: WindowEnds = self.ends(random.integers(len(self.data), size=count))
         return found
 
     @torch.no_grad()  # type: ignore[untyped-decorator]
-    def ends(self, which: Indices) -> Ends:
+    def ends(self, which: Indices) -> WindowEnds:
         """The ends of the windows ``which`` (B,): members first, then marks and windows; the true ones last."""
         dynamics, data = self.dynamics, self.data
         piece = data.frames.piece(which, np.zeros_like(which))
@@ -93,7 +93,7 @@ class Sampler:
         all_looks = torch.cat([features.flatten(0, 1), true_looks])
         gap = all_proprio - true.repeat(members + 1, 1)
         unlike = all_looks - true_looks.repeat(members + 1, 1)
-        return Ends(
+        return WindowEnds(
             all_looks, all_proprio,
             torch.cat([doubt.expand(members, -1).flatten(), torch.zeros_like(doubt)]),
             sensed_all(true.shape[-1]).to(true.device),
@@ -105,7 +105,7 @@ class Sampler:
         )  # fmt: skip
 
 
-def fact_loss(head: SceneFactHead, sampler: Sampler) -> Loss:
+def fact_loss(head: SceneFactHead, sampler: WindowSampler) -> Loss:
     """The error of the margins in their units, and the cross entropy of the truth."""
 
     def loss(random: torch.Generator) -> torch.Tensor:
@@ -117,7 +117,7 @@ def fact_loss(head: SceneFactHead, sampler: Sampler) -> Loss:
     return loss
 
 
-def event_loss(head: SceneEventHead, sampler: Sampler, goals: Mapping[int, tuple[int, ...]]) -> Loss:
+def event_loss(head: SceneEventHead, sampler: WindowSampler, goals: Mapping[int, tuple[int, ...]]) -> Loss:
     """The errors of all events; half of the rows are asked about another task than the one that is played."""
     device = sampler.data.frames.device
     asked = torch.zeros(max(goals) + 1, sampler.data.truth.shape[-1], device=device)
@@ -148,7 +148,7 @@ def event_loss(head: SceneEventHead, sampler: Sampler, goals: Mapping[int, tuple
     return loss
 
 
-def calibrate(head: SceneFactHead, ends: Ends) -> None:
+def calibrate(head: SceneFactHead, ends: WindowEnds) -> None:
     """Set the temperature of each fact to what makes its scores likeliest on ``ends``, which no weight was fitted to.
 
     A fact that is never true, or never false, among them takes the temperature of all facts together.

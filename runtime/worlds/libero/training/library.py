@@ -20,11 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onto_compiler.knowledge import load_knowledge
-from onto_compiler.pool import spread
+from onto_compiler.pool import map_over_processes
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
 from runtime.loop.faults import RunFault
-from runtime.worlds.libero.demos.collect import Order, collect_task
+from runtime.worlds.libero.demos.collect import CollectionRequest, collect_task
 from runtime.worlds.libero.demos.read import load
 from runtime.worlds.libero.demos.records import Demonstration
 from runtime.worlds.libero.simulator.assets import TaskRef, tasks
@@ -33,7 +33,7 @@ from runtime.worlds.libero.training.altered import altered
 from runtime.worlds.libero.training.film import Film, Filmer
 from runtime.worlds.libero.training.scene import SUITE, scene_facts
 
-__all__ = ["TEST_SEED", "Filmed", "Shoot", "filmed", "read_film", "split_of"]
+__all__ = ["TEST_SEED", "FilmRequest", "Filmed", "filmed", "read_film", "split_of"]
 
 FORMAT = 1  # of what is kept
 REST = 15
@@ -67,7 +67,7 @@ class Filmed:
 
 
 @dataclass(frozen=True, slots=True)
-class Shoot:
+class FilmRequest:
     """What is filmed: of ``count`` demonstrations a task, of trials of ``seed``, those in ``splits``; below ``folder``.
 
     ``exact`` is as of :class:`~runtime.worlds.libero.training.film.Filmer`; ``demos`` is a folder of demonstrations
@@ -91,7 +91,7 @@ def split_of(state: int) -> str:
     return "test" if state < _TESTED else "held" if state < _HELD else "train"
 
 
-def filmed(shoot: Shoot, jobs: int, say: Callable[[str], None]) -> tuple[Filmed, ...]:
+def filmed(shoot: FilmRequest, jobs: int, log: Callable[[str], None]) -> tuple[Filmed, ...]:
     """Make what is missing of ``shoot`` in ``jobs`` processes, and list all of it.
 
     Raises:
@@ -100,23 +100,23 @@ def filmed(shoot: Shoot, jobs: int, say: Callable[[str], None]) -> tuple[Filmed,
     """
     refs = [ref for ref in tasks(SUITE) if not shoot.indices or ref.index in shoot.indices]
     found: dict[int, tuple[Filmed, ...]] = {}
-    for ref, films in spread(partial(_of_task, shoot), refs, jobs):
+    for ref, films in map_over_processes(partial(_of_task, shoot), refs, jobs):
         if isinstance(films, OntoError):
             raise films
         found[ref.index], made = films
         if made:
-            say(f"{ref.name}: {made} films")
+            log(f"{ref.name}: {made} films")
     return tuple(film for ref in refs for film in found[ref.index])
 
 
-def _of_task(shoot: Shoot, ref: TaskRef) -> tuple[tuple[Filmed, ...], int] | OntoError:
+def _of_task(shoot: FilmRequest, ref: TaskRef) -> tuple[tuple[Filmed, ...], int] | OntoError:
     try:
         return _films(shoot, ref)
     except OntoError as error:
         return error
 
 
-def _films(shoot: Shoot, ref: TaskRef) -> tuple[tuple[Filmed, ...], int]:
+def _films(shoot: FilmRequest, ref: TaskRef) -> tuple[tuple[Filmed, ...], int]:
     """The films of one task, and how many of them were made now."""
     where = _demonstrations(shoot, ref)
     file = load(where)
@@ -155,10 +155,10 @@ def _films(shoot: Shoot, ref: TaskRef) -> tuple[tuple[Filmed, ...], int]:
     return tuple(found), made
 
 
-def _demonstrations(shoot: Shoot, ref: TaskRef) -> Path:
+def _demonstrations(shoot: FilmRequest, ref: TaskRef) -> Path:
     if shoot.demos is not None:
         return shoot.demos / ref.suite / f"{ref.name}_demo.hdf5"
-    return Path(collect_task(Order(ref, shoot.count, shoot.seed, shoot.folder / "demos"), wait=True).path)
+    return Path(collect_task(CollectionRequest(ref, shoot.count, shoot.seed, shoot.folder / "demos"), wait=True).path)
 
 
 def _named(folder: Path, ref: TaskRef, demo: Demonstration, kind: str) -> Filmed:

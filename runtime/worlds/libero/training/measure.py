@@ -18,7 +18,7 @@ from runtime.worlds.libero.training.heads import sensed_all
 from runtime.worlds.libero.training.scene import SceneFacts
 from runtime.worlds.libero.training.windows import Windows
 
-__all__ = ["ENOUGH", "Told", "event_metrics", "fact_metrics", "imagining_metrics", "tell", "tell_events"]
+__all__ = ["ENOUGH", "WindowPredictions", "event_metrics", "fact_metrics", "imagining_metrics", "tell", "tell_events"]
 
 ENOUGH = 30
 """Positives that a fact must have for its ranking to be told."""
@@ -27,7 +27,7 @@ _SPOTS, _FINGERS = slice(0, 3), slice(9, 11)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Told:
+class WindowPredictions:
     """Scores and margins (W, F) of the ends of W windows."""
 
     score: NDArray[np.float64]
@@ -35,7 +35,9 @@ class Told:
 
 
 @torch.no_grad()  # type: ignore[untyped-decorator]
-def tell(dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact], data: Windows) -> tuple[Told, Told]:
+def tell(
+    dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact], data: Windows
+) -> tuple[WindowPredictions, WindowPredictions]:
     """What ``head`` tells of each window's end: imagined from its beginning and its actions, and seen as it was."""
     grounder = ScenePredGrounder(head, facts)
     sensed = sensed_all(data.frames.states.shape[-1]).to(data.frames.device)
@@ -50,7 +52,7 @@ def tell(dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact], data: W
             parts[2 * place].append(found.score.cpu().numpy().astype(np.float64))
             parts[2 * place + 1].append(found.margin.cpu().numpy().astype(np.float64))
     score, margin, seen_score, seen_margin = (np.concatenate(part) for part in parts)
-    return Told(score, margin), Told(seen_score, seen_margin)
+    return WindowPredictions(score, margin), WindowPredictions(seen_score, seen_margin)
 
 
 def imagining_metrics(network: Dynamics, data: Windows) -> dict[str, float]:

@@ -21,12 +21,12 @@ from grounding.world_model.scene import SCENE_EVENTS, SCENE_FACTS, SceneEventHea
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.training.fit import Schedule
-from runtime.training.stages import Fitter, Place, Say, head_parameters
-from runtime.worlds.libero.training.course import Course
+from runtime.training.stages import Fitter, Log, TrainingDir, head_parameters
+from runtime.worlds.libero.training.config import SceneTrainingConfig
 from runtime.worlds.libero.training.film import MACRO, PIXELS
 from runtime.worlds.libero.training.hand import PLACES, SIZE
-from runtime.worlds.libero.training.heads import Sampler, calibrate, event_loss, fact_loss, sensed_still
-from runtime.worlds.libero.training.library import Filmed, Shoot, filmed
+from runtime.worlds.libero.training.heads import WindowSampler, calibrate, event_loss, fact_loss, sensed_still
+from runtime.worlds.libero.training.library import Filmed, FilmRequest, filmed
 from runtime.worlds.libero.training.measure import event_metrics, fact_metrics, imagining_metrics
 from runtime.worlds.libero.training.scene import SceneFacts, scene_facts
 from runtime.worlds.libero.training.windows import Windows, pictures_of, windows
@@ -41,10 +41,10 @@ _LABELS = f"{_SEES}; labels of privileged-state"
 
 
 @dataclass(frozen=True)
-class FilmPlace(Place):
+class FilmPlace(TrainingDir):
     """A place with films and demonstrations in ``data``, which seeds share.
 
-    ``demos`` is as of :class:`~runtime.worlds.libero.training.library.Shoot`; ``jobs`` processes film.
+    ``demos`` is as of :class:`~runtime.worlds.libero.training.library.FilmRequest`; ``jobs`` processes film.
     """
 
     data: Path
@@ -52,40 +52,42 @@ class FilmPlace(Place):
     jobs: int = 1
 
 
-def train(stage: str, course: Course, place: FilmPlace, command: str, commit: str, say: Say) -> Mapping[str, float]:
+def train(
+    stage: str, config: SceneTrainingConfig, place: FilmPlace, command: str, commit: str, log: Log
+) -> Mapping[str, float]:
     """Train one of :data:`runtime.training.STAGES`, those before it lying in ``place``; returns its card's metrics.
 
     Raises:
         OntoError: as :func:`runtime.worlds.pointmaze.training.train` and
         :func:`runtime.worlds.libero.training.library.filmed`.
     """
-    torch.manual_seed(course.seed)
-    card = Card("", data=course.data, seed=course.seed, command=command, commit=commit)
+    torch.manual_seed(config.seed)
+    card = Card("", data=config.data, seed=config.seed, command=command, commit=commit)
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
-    metrics = makers[stage](course, place, card, say)
-    Fitter(place, card, say).forget(stage)
+    metrics = makers[stage](config, place, card, log)
+    Fitter(place, card, log).forget(stage)
     return metrics
 
 
-def load_windows(course: Course, place: FilmPlace, split: str, seen: Projected, say: Say) -> Windows:
+def load_windows(config: SceneTrainingConfig, place: FilmPlace, split: str, seen: Projected, log: Log) -> Windows:
     """The windows of ``train`` or ``held``; films and features that are missing are made.
 
     Raises:
         OntoError: as :func:`train`; ``WM016`` where the split has no demonstration.
     """
-    films = _of_split(course, place, split, say)
+    films = _of_split(config, place, split, log)
     kept = place.unfinished / f"features.{split}.npy"
-    return windows(films, _asked(), seen, kept, say, place.device)
+    return windows(films, _asked(), seen, kept, log, place.device)
 
 
-def _projection(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
-    base = encoder(course.encoder, place.device)
+def _projection(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log) -> Mapping[str, float]:
+    base = encoder(config.encoder, place.device)
     base.encode(np.zeros((0, PIXELS, PIXELS, 3), dtype=np.uint8))  # films take hours: refused before, if at all
-    films = _of_split(course, place, "train", say)
+    films = _of_split(config, place, "train", log)
     rows, draw = pictures_of(films)
     some = rows[:: -(-len(rows) // _FITTED)]
     raw = np.concatenate([base.encode(draw(some[start : start + 256])) for start in range(0, len(some), 256)])
-    projection = fit_projection(raw, min(course.components, raw.shape[1]))
+    projection = fit_projection(raw, min(config.components, raw.shape[1]))
     metrics = {"variance_kept": projection.share, "pictures": float(len(some)), "films": float(len(films))}
     save_projection(
         place.folder / FILES["projection"],
@@ -95,9 +97,9 @@ def _projection(course: Course, place: FilmPlace, card: Card, say: Say) -> Mappi
     return metrics
 
 
-def _dynamics(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
+def _dynamics(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log) -> Mapping[str, float]:
     seen = load_projected(place.folder / FILES["projection"], place.device)
-    frames = load_windows(course, place, "train", seen, say).frames
+    frames = load_windows(config, place, "train", seen, log).frames
     states = frames.states.reshape(-1, SIZE).astype(np.float64)
     motion = {
         "centre": states.mean(axis=0).round(4).tolist(),
@@ -105,7 +107,7 @@ def _dynamics(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping
         "bound": [1e6] * SIZE,
         "actions": _ACTIONS,
         "places": PLACES,
-        "members": course.members,
+        "members": config.members,
     }
     parameters: dict[str, Any] = {
         "motion": motion,
@@ -115,27 +117,27 @@ def _dynamics(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping
     }
     network = Dynamics(**parameters).to(place.device)
     schedules = {
-        "motion": Schedule(course.motion),
-        "appearance": Schedule(course.appearance, 1e-3, 1e-2),
-        "estimate": Schedule(course.estimate),
+        "motion": Schedule(config.motion),
+        "appearance": Schedule(config.appearance, 1e-3, 1e-2),
+        "estimate": Schedule(config.estimate),
     }
     card = replace(card, encoder=seen.identity)
-    Fitter(place, card, say).dynamics(network, frames, sensed_still(SIZE).to(place.device), schedules)
-    metrics = imagining_metrics(network, load_windows(course, place, "held", seen, say))
+    Fitter(place, card, log).dynamics(network, frames, sensed_still(SIZE).to(place.device), schedules)
+    metrics = imagining_metrics(network, load_windows(config, place, "held", seen, log))
     about = replace(card, architecture=dynamics_module.ARCHITECTURE, parameters=parameters, sees=_SEES, metrics=metrics)
     save(place.folder / FILES["dynamics"], network.state_dict(), about)
     return metrics
 
 
-def _events(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
-    sampler, parameters, card, seen = _for_heads(course, place, card, say)
+def _events(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log) -> Mapping[str, float]:
+    sampler, parameters, card, seen = _for_heads(config, place, card, log)
     asked = _asked()
     parameters = {"facts": len(asked.names), **parameters}
     head = SceneEventHead(**parameters).to(place.device)
     loss = event_loss(head, sampler, asked.goals)
-    Fitter(place, card, say).fit("events", head, loss, Schedule(course.events, 1e-3, 1e-2))
+    Fitter(place, card, log).fit("events", head, loss, Schedule(config.events, 1e-3, 1e-2))
     metrics: dict[str, float] = event_metrics(
-        sampler.dynamics, head, asked, load_windows(course, place, "held", seen, say)
+        sampler.dynamics, head, asked, load_windows(config, place, "held", seen, log)
     )
     save(
         place.folder / FILES["events"],
@@ -145,15 +147,15 @@ def _events(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[s
     return metrics
 
 
-def _facts(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[str, float]:
-    sampler, parameters, card, seen = _for_heads(course, place, card, say)
+def _facts(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log) -> Mapping[str, float]:
+    sampler, parameters, card, seen = _for_heads(config, place, card, log)
     names = list(_asked().names)
     units = np.maximum(sampler.data.margin.reshape(-1, len(names)).std(axis=0), 1e-3).round(4).tolist()
     parameters = {"facts": names, "units": units, **parameters}
     head = SceneFactHead(**parameters).to(place.device)
-    Fitter(place, card, say).fit("facts", head, fact_loss(head, sampler), Schedule(course.facts, 1e-3, 1e-2))
-    held = load_windows(course, place, "held", seen, say)
-    calibrate(head, Sampler(sampler.dynamics, held).ends(np.arange(len(held))))
+    Fitter(place, card, log).fit("facts", head, fact_loss(head, sampler), Schedule(config.facts, 1e-3, 1e-2))
+    held = load_windows(config, place, "held", seen, log)
+    calibrate(head, WindowSampler(sampler.dynamics, held).ends(np.arange(len(held))))
     metrics = fact_metrics(sampler.dynamics, head, _asked().facts, held)
     about = replace(card, architecture=SCENE_FACTS, parameters=parameters, facts=tuple(names), metrics=metrics)
     save(place.folder / FILES["facts"], head.state_dict(), about)
@@ -161,23 +163,23 @@ def _facts(course: Course, place: FilmPlace, card: Card, say: Say) -> Mapping[st
 
 
 def _for_heads(
-    course: Course, place: FilmPlace, card: Card, say: Say
-) -> tuple[Sampler, dict[str, Any], Card, Projected]:
+    config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log
+) -> tuple[WindowSampler, dict[str, Any], Card, Projected]:
     """What draws a head's batches, what builds a head, a card that names what it was trained on, and the encoder."""
     seen, network, found = load_dynamics(place.folder, place.device)
-    data = load_windows(course, place, "train", seen, say)
+    data = load_windows(config, place, "train", seen, log)
     parameters = head_parameters(network, found.card.parameters["motion"])
     about = replace(card, data={**card.data, "dynamics": found.identity}, encoder=seen.identity, sees=_LABELS)
-    return Sampler(network, data), parameters, about, seen
+    return WindowSampler(network, data), parameters, about, seen
 
 
 def _asked() -> SceneFacts:
     return scene_facts(load_knowledge())
 
 
-def _of_split(course: Course, place: FilmPlace, split: str, say: Say) -> tuple[Filmed, ...]:
-    shoot = Shoot(place.data, course.demos, course.demo_seed, course.indices, demos=place.demos)
-    films = tuple(film for film in filmed(shoot, place.jobs, say) if film.split == split)
+def _of_split(config: SceneTrainingConfig, place: FilmPlace, split: str, log: Log) -> tuple[Filmed, ...]:
+    shoot = FilmRequest(place.data, config.demos, config.demo_seed, config.indices, demos=place.demos)
+    films = tuple(film for film in filmed(shoot, place.jobs, log) if film.split == split)
     if not films:
         message = f"no demonstration starts from an initial state of the {split} split"
         raise OntoError.of(

@@ -85,7 +85,7 @@ def windows(
     asked: SceneFacts,
     seen: Encoder,
     kept: Path,
-    say: Callable[[str], None],
+    log: Callable[[str], None],
     device: str = "cpu",
 ) -> Windows:
     """All windows of ``films``, with the features that ``seen`` has of their marks, which are kept at ``kept``.
@@ -98,7 +98,7 @@ def windows(
     """
     rows, draw = pictures_of(films)
     source = _Picked(tuple(f"{one.path.parent.parent.name}/{one.path.name}" for one in films))
-    features = np.asarray(encoded(rows, draw, seen, kept, source, say))
+    features = np.asarray(encoded(rows, draw, seen, kept, source, log))
     checked_features(features, features.shape[1])
     cut: list[list[NDArray[Any]]] = [[] for _ in range(8)]
     begin = 0

@@ -17,7 +17,7 @@ from runtime.wording import atom, unit_of
 from runtime.worlds.pointmaze.drawing import Way, maze_drawing
 from runtime.worlds.pointmaze.grounded import MazeFacts
 from runtime.worlds.pointmaze.maze import MACRO_STEPS
-from runtime.worlds.pointmaze.planning.mpc import Played
+from runtime.worlds.pointmaze.planning.mpc import TrialResult
 
 __all__ = ["plans_html", "write_plans"]
 
@@ -29,7 +29,7 @@ _LEAD = (
     " imagined, and the margin that was predicted. Shaded: the target's radius, and the satisfied side of"
     " a margin. Arrows are velocities."
 )
-Rows = Mapping[str, Sequence[Played]]
+Rows = Mapping[str, Sequence[TrialResult]]
 
 
 def write_plans(path: Path, rows: Rows, facts: MazeFacts, schema: Schema) -> None:
@@ -64,7 +64,7 @@ def plans_html(rows: Rows, facts: MazeFacts, schema: Schema) -> str:
     return page(_TITLE, style, head, element("main", *main))
 
 
-def _plans(name: str, played: Played, facts: MazeFacts) -> Html:
+def _plans(name: str, played: TrialResult, facts: MazeFacts) -> Html:
     nobody = np.empty((0, 1, 4))
     ways = [Way(s.states, nobody if s.made.foreseen is None else s.made.foreseen.paths) for s in played.steps]
     last = played.steps[-1].verdict
@@ -74,7 +74,7 @@ def _plans(name: str, played: Played, facts: MazeFacts) -> Html:
     return element("figure", element("figcaption", element("b", name), f": {told}"), drawing)
 
 
-def _margins(played: Played, facts: MazeFacts, schema: Schema) -> Iterator[Html]:
+def _margins(played: TrialResult, facts: MazeFacts, schema: Schema) -> Iterator[Html]:
     """A chart for each required fact, where something was predicted."""
     if all(step.made.foreseen is None for step in played.steps):
         return
@@ -95,7 +95,7 @@ def _margins(played: Played, facts: MazeFacts, schema: Schema) -> Iterator[Html]
         yield element("figure", element("figcaption", code(name), f": {told}"), chart)
 
 
-def _reliability(played: Sequence[Played], facts: MazeFacts, schema: Schema) -> Iterator[Html]:
+def _reliability(played: Sequence[TrialResult], facts: MazeFacts, schema: Schema) -> Iterator[Html]:
     """A diagram for each required fact, over the ends of all macro steps that were imagined and then executed."""
     score, held = [], []
     for each in played:

@@ -15,12 +15,12 @@ import torch
 from numpy.typing import NDArray
 
 from grounding.observation import Observation
-from runtime.planning.guided import Searched
+from runtime.planning.guided import SearchResult
 from runtime.worlds.pointmaze.rollout import Rollout
 from runtime.worlds.pointmaze.trials import Trial
-from runtime.worlds.pointmaze.verdict import Verdict, judge
+from runtime.worlds.pointmaze.verdict import StateVerdict, judge
 
-__all__ = ["Foreseen", "Made", "Planner", "Played", "Step", "play"]
+__all__ = ["ExecutedStep", "ImaginedPlan", "PlannedActions", "Planner", "TrialResult", "play"]
 
 HORIZON = 5
 """Macro steps in a plan, DINO-WM's."""
@@ -29,7 +29,7 @@ PLANS = 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Foreseen:
+class ImaginedPlan:
     """What a world model imagines of a plan.
 
     ``paths`` (M, T + 1, 4) of its M members, step by step; ``margin`` and ``score`` (H, F) of the required facts after
@@ -42,14 +42,14 @@ class Foreseen:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Made:
+class PlannedActions:
     """A plan: ``actions`` (T, 2), what was predicted of its end (None where nothing was), and how it was come by."""
 
     actions: NDArray[np.float64]
     evaluations: int
     predicted: Observation | None = None
-    searched: Searched | None = None
-    foreseen: Foreseen | None = None
+    searched: SearchResult | None = None
+    foreseen: ImaginedPlan | None = None
 
 
 class Planner(Protocol):
@@ -58,7 +58,7 @@ class Planner(Protocol):
     def begin(self, state: NDArray[np.float64], goal: NDArray[np.float64]) -> None:
         """An episode begins; what of ``state`` and ``goal`` (4,) a planner may use is what its row says it sees."""
 
-    def plan(self, left: int, random: torch.Generator) -> Made:
+    def plan(self, left: int, random: torch.Generator) -> PlannedActions:
         """The next plan; ``left`` is how many plans of :data:`HORIZON` macro steps there is time for."""
         ...
 
@@ -67,21 +67,21 @@ class Planner(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class ExecutedStep:
     """A plan and what came of it: true ``states`` (T + 1, 4) and the verdict on the last."""
 
-    made: Made
+    made: PlannedActions
     states: NDArray[np.float64]
-    verdict: Verdict
+    verdict: StateVerdict
     seconds: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Played:
+class TrialResult:
     """A trial; ``time`` is how many plans of :data:`HORIZON` its plans took, of which a longer one takes more."""
 
     trial: Trial
-    steps: tuple[Step, ...]
+    steps: tuple[ExecutedStep, ...]
     time: int
 
     @property
@@ -111,9 +111,9 @@ class Played:
 
 def play(
     trial: Trial, planner: Planner, rollout: Rollout, random: torch.Generator, macro: int, plans: int = PLANS
-) -> Played:
+) -> TrialResult:
     """Play ``trial``; a plan of two horizons takes the time of two plans."""
-    state, steps, left = trial.start, list[Step](), plans
+    state, steps, left = trial.start, list[ExecutedStep](), plans
     planner.begin(state, trial.goal)
     while left > 0:
         begun = time.perf_counter()
@@ -121,10 +121,10 @@ def play(
         seconds = time.perf_counter() - begun
         states = rollout.states(state, made.actions[None])[0]
         verdict = judge(states[-1], trial.goal)
-        steps.append(Step(made, states, verdict, seconds))
+        steps.append(ExecutedStep(made, states, verdict, seconds))
         left -= max(1, round(len(made.actions) / (macro * HORIZON)))
         if bool(verdict.success):
             break
         planner.moved(states, made.actions)
         state = states[-1]
-    return Played(trial, tuple(steps), plans - left)
+    return TrialResult(trial, tuple(steps), plans - left)

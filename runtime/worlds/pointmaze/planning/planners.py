@@ -10,19 +10,19 @@ import torch
 from numpy.typing import NDArray
 
 from grounding.world_model.model import WorldModel
-from grounding.world_model.pred import Goal, PredGrounder
+from grounding.world_model.pred import ObservedGoal, PredGrounder
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import local_name
-from runtime.planning.cem import Budget, Region, Sampling, search
+from runtime.planning.cem import Budget, Sampling, SamplingDistribution, search
 from runtime.planning.guided import improve
 from runtime.planning.mechanisms import Mechanism
-from runtime.planning.question import Question
+from runtime.planning.problem import PlanningProblem
 from runtime.planning.scorers import Weighted, Weights
 from runtime.worlds.pointmaze.geodesic import Geodesic
 from runtime.worlds.pointmaze.grounded import MazeFacts
 from runtime.worlds.pointmaze.maze import ACTION_DIM, MACRO_STEPS
-from runtime.worlds.pointmaze.planning.mpc import HORIZON, Foreseen, Made, Planner
+from runtime.worlds.pointmaze.planning.mpc import HORIZON, ImaginedPlan, PlannedActions, Planner
 from runtime.worlds.pointmaze.planning.sensing import Sensor
 from runtime.worlds.pointmaze.rollout import Rollout
 
@@ -58,7 +58,7 @@ class ByModel(Planner):
         self._model, self._sensor, self._grounder, self._required = model, sensor, grounder, required
         self._budget, self._sampling, self._guidance = budget, sampling, guidance
         self._scorer = Weighted(weights, model.dynamics, model.events, self._grounder)
-        self._goal: Goal | None = None
+        self._goal: ObservedGoal | None = None
 
     def begin(self, state: NDArray[np.float64], goal: NDArray[np.float64]) -> None:
         """Look at the goal, and forget earlier episodes."""
@@ -69,20 +69,22 @@ class ByModel(Planner):
         """Remember what was sensed on the way."""
         self._sensor.moved(states, actions)
 
-    def plan(self, left: int, random: torch.Generator) -> Made:
+    def plan(self, left: int, random: torch.Generator) -> PlannedActions:
         """Search; then, with guidance, better what is found. Raises ``WM010`` where a feature is not finite."""
         if self._goal is None:
             raise RuntimeError("an episode begins before its first plan")
-        question = Question(
+        question = PlanningProblem(
             self._model.dynamics, self._grounder, self._scorer, self._sensor.history(), self._goal, self._budget,
             self._sampling, left * HORIZON, self._sensor.between(),
         )  # fmt: skip
-        region = Region.everywhere(_STEPS, ACTION_DIM, self._sampling, question.begin.device)
+        region = SamplingDistribution.everywhere(_STEPS, ACTION_DIM, self._sampling, question.begin.device)
         with torch.no_grad():
             found = search(question.cost, region, self._budget, self._sampling, random, judge=question.judge())
         if self._guidance is None:
             seen, _ = question.judged(found)
-            return Made(_array(found.actions), found.evaluations, seen, None, _foreseen(question, found.actions))
+            return PlannedActions(
+                _array(found.actions), found.evaluations, seen, None, _foreseen(question, found.actions)
+            )
         guidance = self._guidance
         better = improve(
             question, found, self._required, guidance.knowledge, guidance.mechanisms, guidance.allowance, random,
@@ -90,7 +92,7 @@ class ByModel(Planner):
         )  # fmt: skip
         spent = found.evaluations + better.evaluations
         chosen = better.found.actions
-        return Made(_array(chosen), spent, better.observation, better, _foreseen(question, chosen))
+        return PlannedActions(_array(chosen), spent, better.observation, better, _foreseen(question, chosen))
 
 
 class ByTruth(Planner):
@@ -114,13 +116,17 @@ class ByTruth(Planner):
         del actions
         self._state = states[-1]
 
-    def plan(self, left: int, random: torch.Generator) -> Made:
+    def plan(self, left: int, random: torch.Generator) -> PlannedActions:
         """Search."""
         del left
         found = search(
-            self._cost, Region.everywhere(_STEPS, ACTION_DIM, self._sampling), self._budget, self._sampling, random
+            self._cost,
+            SamplingDistribution.everywhere(_STEPS, ACTION_DIM, self._sampling),
+            self._budget,
+            self._sampling,
+            random,
         )
-        return Made(_array(found.actions), found.evaluations)
+        return PlannedActions(_array(found.actions), found.evaluations)
 
     def _cost(self, actions: torch.Tensor) -> torch.Tensor:
         ends = self._rollout.states(self._state, actions.double().numpy())[:, -1]
@@ -143,20 +149,20 @@ class Randomly(Planner):
     def moved(self, states: NDArray[np.float64], actions: NDArray[np.float64]) -> None:
         """It remembers nothing."""
 
-    def plan(self, left: int, random: torch.Generator) -> Made:
+    def plan(self, left: int, random: torch.Generator) -> PlannedActions:
         """One candidate."""
         del left
         drawn = torch.randn((_STEPS, ACTION_DIM), generator=random) * self._sampling.deviation
-        return Made(_array(drawn.clamp(-1, 1)), 1)
+        return PlannedActions(_array(drawn.clamp(-1, 1)), 1)
 
 
-def _foreseen(question: Question, actions: torch.Tensor) -> Foreseen:
+def _foreseen(question: PlanningProblem, actions: torch.Tensor) -> ImaginedPlan:
     """What is imagined of ``actions`` (T, 2) on the way."""
     with torch.no_grad():
         imagined = question.imagine(actions[None])
         facts = question.grounder.ground(imagined, question.goal, every=True)
     margin, score = (np.where(facts.observed, _array(each[0]), np.nan) for each in (facts.margin, facts.score))
-    return Foreseen(_array(imagined.path[:, 0]), margin, score)
+    return ImaginedPlan(_array(imagined.path[:, 0]), margin, score)
 
 
 def _array(values: torch.Tensor) -> NDArray[np.float64]:

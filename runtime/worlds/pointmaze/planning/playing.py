@@ -27,9 +27,9 @@ from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
 from runtime.worlds.pointmaze.maze import MACRO_STEPS, maze_named
 from runtime.worlds.pointmaze.planning.figures import write_plans
 from runtime.worlds.pointmaze.planning.models import SEEDS, shipped
-from runtime.worlds.pointmaze.planning.mpc import Planner, Played, play
+from runtime.worlds.pointmaze.planning.mpc import Planner, TrialResult, play
 from runtime.worlds.pointmaze.planning.rows import MAZE, ROWS, maze_rollout, planner
-from runtime.worlds.pointmaze.planning.trace import SUITE, Recorder
+from runtime.worlds.pointmaze.planning.trace import SUITE, TrialRecorder
 from runtime.worlds.pointmaze.trials import trial, trial_seed
 
 __all__ = ["episodes", "generator", "numbers", "run"]
@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     knowledge = load_knowledge()
     facts = MazeFacts(maze_named(MAZE), required_facts(knowledge), knowledge)
     players = {name: planner(name, folder) for name in dict.fromkeys(options.row)}
-    told, played = dict[str, list[dict[str, Any]]](), dict[str, list[Played]]()
+    told, played = dict[str, list[dict[str, Any]]](), dict[str, list[TrialResult]]()
     for name, who in players.items():
         if options.format == "text":
             sys.stdout.write(f"{name}, which sees {ROWS[name].sees}\n{_HEADER}")
@@ -93,7 +93,7 @@ def generator(number: int, seed: int) -> torch.Generator:
 
 
 def episodes(
-    name: str, played: Sequence[Played], facts: MazeFacts, knowledge: Knowledge, seed: int, folder: Path
+    name: str, played: Sequence[TrialResult], facts: MazeFacts, knowledge: Knowledge, seed: int, folder: Path
 ) -> list[Episode]:
     """The records of trials that the row ``name`` played with the world model in ``folder``."""
     about: dict[str, Any] = {each: version_of(each) for each in ("onto-evwm", "mujoco", "numpy", "torch")}
@@ -101,7 +101,7 @@ def episodes(
     if ROWS[name].learned:
         card = read_card(folder / FILES["dynamics"])
         about |= {"model_command": card.command, "model_commit": card.commit, "model_seed": card.seed}
-    recorder = Recorder(facts, knowledge, name, seed, tuple(about.items()))
+    recorder = TrialRecorder(facts, knowledge, name, seed, tuple(about.items()))
     return [recorder.episode(each) for each in played]
 
 
@@ -132,12 +132,12 @@ def _require(options: argparse.Namespace, folder: Path) -> None:
         raise OntoError.of("TRC001", f"`{options.picture}` is no page", "end its name in .html", str(options.picture))
 
 
-def _played(who: Planner, wanted: Sequence[int], seed: int) -> Iterator[Played]:
+def _played(who: Planner, wanted: Sequence[int], seed: int) -> Iterator[TrialResult]:
     for number in wanted:
         yield play(trial(number), who, maze_rollout(), generator(number, seed), MACRO_STEPS)
 
 
-def _record(played: Played, facts: MazeFacts) -> dict[str, Any]:
+def _record(played: TrialResult, facts: MazeFacts) -> dict[str, Any]:
     """A trial as plain values; ``unmet`` are the facts that the last plan was predicted to lack, or not observed."""
     seen = played.steps[-1].made.predicted
     lacking = None

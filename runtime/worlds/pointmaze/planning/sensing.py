@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from grounding.world_model.dynamics import History
 from grounding.world_model.encoder import Encoder
-from grounding.world_model.pred import Goal
+from grounding.world_model.pred import ObservedGoal
 from onto_compiler.rdf import PREFIXES
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema
@@ -45,10 +45,10 @@ class Sensor:
         features = self._encoder.encode(draw(self._maze, state[None], self._encoder.size))
         return torch.from_numpy(features)[0].to(self._device)
 
-    def goal(self, state: NDArray[np.float64]) -> Goal:
+    def goal(self, state: NDArray[np.float64]) -> ObservedGoal:
         """A goal state (4,) as it is sensed."""
         self._target = state
-        return Goal(self.look(state), self._tensor(self._hidden(state)), self._sensed)
+        return ObservedGoal(self.look(state), self._tensor(self._hidden(state)), self._sensed)
 
     def observes(self, facts: Sequence[Fact], schema: Schema) -> tuple[bool, ...]:
         """Of each fact whether there is evidence of what its margin is measured in: pictures show places alone."""

@@ -20,9 +20,9 @@ from onto_compiler.tables import SATISFIED, STATUSES
 from runtime.loop.diagnosis import diagnose_goal, evidence_status
 from runtime.loop.records import Application, Attempt, Episode, ExecutedPlan, Prediction, Proposal, Verification
 from runtime.worlds.pointmaze.grounded import MazeFacts
-from runtime.worlds.pointmaze.planning.mpc import Played, Step
+from runtime.worlds.pointmaze.planning.mpc import ExecutedStep, TrialResult
 
-__all__ = ["SUITE", "Recorder"]
+__all__ = ["SUITE", "TrialRecorder"]
 
 SUITE = "pointmaze"
 _JUDGED = "at_target"
@@ -30,7 +30,7 @@ _JUDGED = "at_target"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recorder:
+class TrialRecorder:
     """Records trials that ``planner`` (the name of a row) played with random numbers of ``seed``."""
 
     facts: MazeFacts
@@ -39,7 +39,7 @@ class Recorder:
     seed: int
     provenance: Sequence[tuple[str, Any]] = ()
 
-    def episode(self, played: Played) -> Episode:
+    def episode(self, played: TrialResult) -> Episode:
         """The record of ``played``; it is unresolved unless the simulator's state was accepted."""
         required, trial = self.facts.required, played.trial
         declared = MazeFacts(self.facts.maze, replace(required, facts=required.premise), self.knowledge)
@@ -67,7 +67,7 @@ class Recorder:
             plans=tuple(plans),
         )
 
-    def _plan(self, step: Step, played: Played, begun: int, index: int) -> ExecutedPlan:
+    def _plan(self, step: ExecutedStep, played: TrialResult, begun: int, index: int) -> ExecutedPlan:
         required, tables = self.facts.required, self.knowledge.tables
         steps = len(step.made.actions)
         seen = step.made.predicted
@@ -84,7 +84,7 @@ class Recorder:
             verification=Verification(str(judged.native), bool(step.verdict.success)),
         )
 
-    def _attempts(self, step: Step, begun: int, plan: int, first: int) -> Iterator[Attempt]:
+    def _attempts(self, step: ExecutedStep, begun: int, plan: int, first: int) -> Iterator[Attempt]:
         """What the rules chose to better the plan of ``step``, numbered from ``first``."""
         searched = step.made.searched
         offered = Counter[tuple[int, str]]()

@@ -61,7 +61,7 @@ def test_a_damaged_kept_audit_is_made_anew(first, cache):
 
 
 def test_another_asset_makes_it_another_audit(tmp_path, monkeypatch):
-    from runtime.worlds.libero.audit import kept
+    from runtime.worlds.libero.audit import cache as kept
     from runtime.worlds.libero.simulator.assets import find_task
 
     ref, asset = find_task("libero_spatial", 5), tmp_path / "plate.xml"
@@ -71,7 +71,7 @@ def test_another_asset_makes_it_another_audit(tmp_path, monkeypatch):
         if not (asset.exists() and asset.read_text() == text):
             asset.write_text(text)
         kept._assets.cache_clear()
-        paths.append(kept.KeptTasks(tmp_path, (), 0)._path(ref))
+        paths.append(kept.AuditCache(tmp_path, (), 0)._path(ref))
     kept._assets.cache_clear()
     assert paths[0] == paths[1] != paths[2]
 

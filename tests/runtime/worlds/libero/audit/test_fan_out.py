@@ -25,7 +25,7 @@ def test_a_task_that_takes_its_process_down_is_named_and_the_others_are_audited(
 
     monkeypatch.setattr(fan_out, "_pooled", pooled)
     told = []
-    audit = fan_out.run_audit(refs, fan_out.Plan(), 2, told.append)
+    audit = fan_out.run_audit(refs, fan_out.AuditPlan(), 2, told.append)
     assert [task.index for task in audit.tasks] == [0, 1, 2, 3]
     assert [[fault.code for fault in task.faults] for task in audit.tasks] == [[], ["RUN024"], [], []]
     assert sorted(task.index for task in told) == [0, 1, 2, 3]

@@ -10,8 +10,8 @@ import pytest
 from grounding.observation import Observation
 from onto_compiler.required import Fact, NativeAtom, RequiredABox
 from onto_compiler.schema import Schema
-from runtime.worlds.libero.audit.measures import DECIDING, MEASURES, Stage
-from runtime.worlds.libero.audit.moments import Moment
+from runtime.worlds.libero.audit.measures import DECIDING, MEASURES, StateEvidence
+from runtime.worlds.libero.audit.scene_state import SceneState
 
 UPRIGHT = np.eye(3)
 
@@ -27,13 +27,13 @@ def about(axis, angle):
 
 
 def moment(position=(0, 0, 0), axes=UPRIGHT, hinges=(), slides=(), depths=(), sunk=()):
-    return Moment({"cup": (np.array(position, float), axes)}, dict(hinges), dict(slides), dict(depths), dict(sunk))
+    return SceneState({"cup": (np.array(position, float), axes)}, dict(hinges), dict(slides), dict(depths), dict(sunk))
 
 
 def stage(before, after):
     nothing = Observation("sim", 0, *(np.zeros(0, bool),) * 2, *(np.zeros(0),) * 2, ())
     required = RequiredABox("task", "", "", ())
-    return Stage(before, after, required, nothing, nothing, Schema.__new__(Schema))
+    return StateEvidence(before, after, required, nothing, nothing, Schema.__new__(Schema))
 
 
 def reading(name, before, after):

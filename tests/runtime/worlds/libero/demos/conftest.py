@@ -22,9 +22,9 @@ def sample():
 
 @pytest.fixture(scope="session")
 def order(ref, tmp_path_factory):
-    from runtime.worlds.libero.demos.collect import Order
+    from runtime.worlds.libero.demos.collect import CollectionRequest
 
-    return Order(ref, 1, 0, tmp_path_factory.mktemp("demos"))
+    return CollectionRequest(ref, 1, 0, tmp_path_factory.mktemp("demos"))
 
 
 @pytest.fixture(scope="session")

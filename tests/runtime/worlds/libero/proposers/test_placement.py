@@ -6,7 +6,15 @@ import pytest
 
 from runtime.worlds.libero.proposers.clearance import Clearance
 from runtime.worlds.libero.proposers.object_relation import HeuristicObjectRelation
-from runtime.worlds.libero.proposers.placement import TOUCH_M, UNBALANCED, Mover, Pose, Window, drop, rest_orientations
+from runtime.worlds.libero.proposers.placement import (
+    TOUCH_M,
+    UNBALANCED,
+    Mover,
+    Placement,
+    Window,
+    drop,
+    rest_orientations,
+)
 from runtime.worlds.libero.proposers.source_joint_pose import HeuristicSourceJointPose
 from runtime.worlds.libero.proposers.source_joint_residual import HeuristicSourceJointResidual
 from tests.runtime.worlds.libero.proposers import conftest as scenes
@@ -26,7 +34,7 @@ def mover(world):
 
 
 def test_an_object_is_lowered_until_it_just_touches(world):
-    (landing,) = drop(mover(world), Pose(-0.1, 0.0, np.eye(3), ""), WINDOW)
+    (landing,) = drop(mover(world), Placement(-0.1, 0.0, np.eye(3), ""), WINDOW)
     height = origin(world, landing.qpos, "box_1")[2]
     assert 0.0 < TABLE_M + HALF_M - height < 1e-3
     clearance = Clearance(world.scene, landing.qpos)
@@ -37,23 +45,23 @@ def test_an_object_is_lowered_until_it_just_touches(world):
 
 def test_what_lies_on_the_object_comes_along(world):
     offset = origin(world, world.qpos, "crumb_1") - origin(world, world.qpos, "box_1")
-    (landing,) = drop(mover(world), Pose(-0.1, 0.0, np.eye(3), "here"), WINDOW)
+    (landing,) = drop(mover(world), Placement(-0.1, 0.0, np.eye(3), "here"), WINDOW)
     moved = origin(world, landing.qpos, "crumb_1") - origin(world, landing.qpos, "box_1")
     assert np.linalg.norm(moved) == pytest.approx(np.linalg.norm(offset), abs=1e-6)
     assert "carrying crumb_1" in landing.note
 
 
 def test_an_object_over_the_edge_is_flawed(world):
-    (landing,) = drop(mover(world), Pose(0.505, 0.0, np.eye(3), ""), WINDOW)
+    (landing,) = drop(mover(world), Placement(0.505, 0.0, np.eye(3), ""), WINDOW)
     assert landing.flaws & UNBALANCED
 
 
 def test_nothing_lands_where_nothing_is_below(world):
-    assert not list(drop(mover(world), Pose(0.7, 0.0, np.eye(3), ""), WINDOW))
+    assert not list(drop(mover(world), Placement(0.7, 0.0, np.eye(3), ""), WINDOW))
 
 
 def test_a_roof_gives_a_landing_above_and_one_below(world):
-    landings = list(drop(mover(world), Pose(0.0, -0.4, np.eye(3), ""), WINDOW))
+    landings = list(drop(mover(world), Placement(0.0, -0.4, np.eye(3), ""), WINDOW))
     heights = [origin(world, landing.qpos, "box_1")[2] for landing in landings]
     assert len(heights) == 2
     assert heights[0] == pytest.approx(0.54, abs=1e-3)
@@ -99,7 +107,9 @@ def test_two_objects_of_one_region_leave_each_other_room(world):
 def test_no_plate_is_missed_wherever_the_descent_begins(world, shift):
     """The roof of the chest is 4 mm thick, and the descent goes in steps as wide."""
     window = Window(0.41, 0.6, 0.6 + shift)
-    heights = [origin(world, c.qpos, "box_1")[2] for c in drop(mover(world), Pose(0.0, -0.4, np.eye(3), ""), window)]
+    heights = [
+        origin(world, c.qpos, "box_1")[2] for c in drop(mover(world), Placement(0.0, -0.4, np.eye(3), ""), window)
+    ]
     assert heights == pytest.approx([0.54, 0.454], abs=1e-3)
 
 

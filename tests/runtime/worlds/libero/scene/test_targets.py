@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from onto_compiler.required import RequiredABox
-from runtime.worlds.libero.scene.targets import Place, place_of, slot_of, threshold_of
+from runtime.worlds.libero.scene.targets import PlacementTarget, place_of, slot_of, threshold_of
 from tests.runtime.worlds.libero.proposers import conftest as scenes
 
 pytestmark = pytest.mark.sim
@@ -12,13 +12,13 @@ pytestmark = pytest.mark.sim
 @pytest.mark.parametrize(
     ("fact", "expected"),
     [
-        (scenes.ON_TABLE, Place("box_1", "table_goal_region", None, False)),
-        (scenes.ON_TRAY, Place("box_1", None, "tray_1", False)),
-        (scenes.IN_DRAWER, Place("box_1", "chest_1_drawer_region", "chest_1", True)),
+        (scenes.ON_TABLE, PlacementTarget("box_1", "table_goal_region", None, False)),
+        (scenes.ON_TRAY, PlacementTarget("box_1", None, "tray_1", False)),
+        (scenes.IN_DRAWER, PlacementTarget("box_1", "chest_1_drawer_region", "chest_1", True)),
         (scenes.OPEN_DRAWER, None),
         (scenes.fact("On", "chest_1", "table_goal_region", grounded_by="placed_in_region"), None),
         (scenes.fact("On", "box_1", "box_1", grounded_by="on_object"), None),
-        (scenes.OFF_TRAY, Place("box_1", None, "tray_1", False)),
+        (scenes.OFF_TRAY, PlacementTarget("box_1", None, "tray_1", False)),
     ],
 )
 def test_a_place_is_read_from_the_native_arguments(world, fact, expected):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from onto_compiler.problems import OntoError
-from runtime.worlds.libero.simulator.scene_cache import Record, SceneCache, key_of, stamp
+from runtime.worlds.libero.simulator.scene_cache import SceneCache, SceneRecord, key_of, stamp
 
 
 @pytest.fixture
@@ -18,7 +18,7 @@ def asset(tmp_path):
 def kept(tmp_path, asset):
     """A cache that holds one scene under `key`, whose model file says `model`."""
     cache = SceneCache(tmp_path / "cache")
-    cache.save("key", Record({"site": 3}, {"home": np.arange(4.0)}, stamp([asset])), write_model)
+    cache.save("key", SceneRecord({"site": 3}, {"home": np.arange(4.0)}, stamp([asset])), write_model)
     return cache
 
 
@@ -43,7 +43,7 @@ def test_another_key_finds_nothing(kept):
 
 
 def test_scenes_of_one_model_share_its_file(kept, asset):
-    kept.save("second", Record({}, {}, stamp([asset])), write_model)
+    kept.save("second", SceneRecord({}, {}, stamp([asset])), write_model)
     assert len(files(kept, "models")) == 1
     assert len(files(kept, "scenes")) == 2
 
@@ -77,7 +77,7 @@ def test_a_damaged_file_counts_as_none_and_is_written_again(kept, asset, kind, d
         flipped = content[:middle] + bytes([content[middle] ^ 255]) + content[middle + 1 :]
         path.write_bytes({"truncate": content[:middle], "empty": b"", "flip": flipped}[damage])
     assert kept.load("key") is None
-    kept.save("key", Record({}, {}, stamp([asset])), write_model)
+    kept.save("key", SceneRecord({}, {}, stamp([asset])), write_model)
     assert kept.load("key") is not None
 
 
@@ -85,7 +85,7 @@ def test_a_folder_that_cannot_be_written_keeps_nothing_and_says_so(tmp_path, ass
     blocked = tmp_path / "file"
     blocked.write_text("")
     cache = SceneCache(blocked / "cache")
-    cache.save("key", Record({}, {}, stamp([asset])), write_model)
+    cache.save("key", SceneRecord({}, {}, stamp([asset])), write_model)
     assert cache.load("key") is None
     (told,) = caplog.messages
     assert told.startswith(f"the scene cannot be kept in {blocked / 'cache'}: ")
@@ -93,7 +93,7 @@ def test_a_folder_that_cannot_be_written_keeps_nothing_and_says_so(tmp_path, ass
 
 def test_without_a_folder_nothing_is_kept(asset):
     cache = SceneCache(None)
-    cache.save("key", Record({}, {}, stamp([asset])), write_model)
+    cache.save("key", SceneRecord({}, {}, stamp([asset])), write_model)
     assert cache.load("key") is None
 
 

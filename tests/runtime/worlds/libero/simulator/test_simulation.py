@@ -155,7 +155,7 @@ def test_a_divergence_is_a_run_fault_that_carries_the_last_good_state(scene, sta
 
 
 @pytest.mark.parametrize("exact", [True, False])
-def test_a_glance_sees_the_state_before_the_last_substep_and_changes_nothing(scene, state, actions, exact):
+def test_an_observer_sees_the_state_before_the_last_substep_and_changes_nothing(scene, state, actions, exact):
     plain, seen = simulation(scene, state, exact=exact), simulation(scene, state, exact=exact)
     times = []
     for action in actions[:6]:

@@ -28,7 +28,7 @@ class Script:
 
     def reactive(self, sim, horizon):
         from runtime.loop.faults import RunFault
-        from runtime.worlds.libero.skills.play import Played
+        from runtime.worlds.libero.skills.play import PlayedEpisode
 
         for action in self.actions:
             sim.step(action)
@@ -36,7 +36,7 @@ class Script:
             sim.data.qvel[:] = 1e9
             with pytest.raises(RunFault):
                 sim.step(np.zeros(7))
-        return Played(np.array(self.actions).reshape(-1, 7), self.tries, None, False, 0)
+        return PlayedEpisode(np.array(self.actions).reshape(-1, 7), self.tries, None, False, 0)
 
     lookahead = reactive
 
@@ -54,18 +54,18 @@ def stage(knowledge):
     from runtime.worlds.libero.simulator.assets import find_task
     from runtime.worlds.libero.simulator.compiled import compile_scene
     from runtime.worlds.libero.simulator.native import NativeTask
-    from runtime.worlds.libero.skills.episode import Stage
+    from runtime.worlds.libero.skills.episode import EpisodePlayer
     from runtime.worlds.libero.skills.offset_grid import OffsetGrid
     from runtime.worlds.libero.skills.play import Player
-    from runtime.worlds.libero.skills.replay import Replay
+    from runtime.worlds.libero.skills.replay import NativeReplay
 
     ref = find_task("libero_90", MUG)
     required = required_of(ref, knowledge, ordered=True)
     scene = compile_scene(ref.bddl)
     player = Player(scene, required, knowledge)
     player.skills["pick_and_place"] = OffsetGrid(knowledge.schema)
-    with Replay(NativeTask.open(ref), required, knowledge.schema) as replay:
-        yield Stage(ref, required, knowledge, scene, player, replay, "offset_grid")
+    with NativeReplay(NativeTask.open(ref), required, knowledge.schema) as replay:
+        yield EpisodePlayer(ref, required, knowledge, scene, player, replay, "offset_grid")
 
 
 @pytest.fixture(scope="module")
@@ -155,15 +155,15 @@ def bowl(knowledge):
     from runtime.worlds.libero.simulator.assets import find_task
     from runtime.worlds.libero.simulator.compiled import compile_scene
     from runtime.worlds.libero.simulator.native import NativeTask
-    from runtime.worlds.libero.skills.episode import Stage
+    from runtime.worlds.libero.skills.episode import EpisodePlayer
     from runtime.worlds.libero.skills.play import Player
-    from runtime.worlds.libero.skills.replay import Replay
+    from runtime.worlds.libero.skills.replay import NativeReplay
 
     ref = find_task("libero_goal", 8)
     required, scene = required_of(ref, knowledge, ordered=True), compile_scene(ref.bddl)
     player = Player(scene, required, knowledge)
-    with Replay(NativeTask.open(ref), required, knowledge.schema) as replay:
-        yield Stage(ref, required, knowledge, scene, player, replay)
+    with NativeReplay(NativeTask.open(ref), required, knowledge.schema) as replay:
+        yield EpisodePlayer(ref, required, knowledge, scene, player, replay)
 
 
 def moved(stage, name, position):
@@ -234,9 +234,9 @@ def test_a_horizon_that_is_too_short_ends_unresolved_and_says_so(stage):
 
 
 def _try(required, steps, outcome="lost", route="pick_and_place", reason=""):
-    from runtime.worlds.libero.skills.play import Try
+    from runtime.worlds.libero.skills.play import SkillAttempt
 
-    return Try(str(required.facts[0]), route, 1, "scripted", steps, outcome, reason)
+    return SkillAttempt(str(required.facts[0]), route, 1, "scripted", steps, outcome, reason)
 
 
 def test_a_mechanism_that_gives_up_leaves_the_task_unresolved_and_says_why(stage, knowledge):

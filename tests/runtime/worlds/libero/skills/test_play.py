@@ -54,8 +54,8 @@ def test_a_drawer_is_opened_first_and_the_bowl_pulled_out_from_under_it(monkeypa
             self.path = []
             super().__init__(scene)
 
-        def step(self, action, glance=None):
-            super().step(action, glance)
+        def step(self, action, before_last_substep=None):
+            super().step(action, before_last_substep)
             self.path.append(self.data.xpos[self.scene.index.root_body(BOWL)].copy())
 
     monkeypatch.setattr(pick, "way_out", seen)
@@ -114,9 +114,9 @@ def test_looking_ahead_leaves_the_real_simulation_alone_until_it_acts():
             self.left, self.met = [], []
             super().__init__(scene)
 
-        def step(self, action, glance=None):
+        def step(self, action, before_last_substep=None):
             self.met.append(self.snapshot().integration)
-            super().step(action, glance)
+            super().step(action, before_last_substep)
             self.left.append(self.snapshot().integration)
 
     stage = staged("libero_goal", 3, kind=Watched)

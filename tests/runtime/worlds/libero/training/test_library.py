@@ -6,7 +6,7 @@ import pytest
 from onto_compiler.problems import OntoError
 from runtime.loop.faults import RunFault
 from runtime.worlds.libero.training import library
-from runtime.worlds.libero.training.library import Shoot, filmed, read_film
+from runtime.worlds.libero.training.library import FilmRequest, filmed, read_film
 from tests.runtime.worlds.libero.training.conftest import made
 
 pytestmark = pytest.mark.sim
@@ -44,7 +44,7 @@ def shoot(tmp_path, monkeypatch):
     file.write_bytes((Path(__file__).resolve().parents[5] / SAMPLE).read_bytes())
     monkeypatch.setattr(library, "Filmer", Fake)
     monkeypatch.setattr(Fake, "asked", 0)
-    return Shoot(tmp_path / "data", 2, indices=(8,), splits=("train", "held", "test"), demos=tmp_path / "demos")
+    return FilmRequest(tmp_path / "data", 2, indices=(8,), splits=("train", "held", "test"), demos=tmp_path / "demos")
 
 
 def test_each_demonstration_is_filmed_once_and_an_episode_that_diverges_is_left_out(shoot):
@@ -88,5 +88,5 @@ def test_a_file_without_whole_starts_is_told(shoot, monkeypatch):
 
 def test_a_missing_file_is_told(shoot, tmp_path):
     with pytest.raises(OntoError) as caught:
-        filmed(Shoot(tmp_path, 2, indices=(8,), demos=tmp_path), 1, lambda _text: None)
+        filmed(FilmRequest(tmp_path, 2, indices=(8,), demos=tmp_path), 1, lambda _text: None)
     assert caught.value.problems[0].code == "DEM001"

@@ -4,13 +4,13 @@ import pytest
 
 from grounding.world_model.checkpoint import read_card
 from grounding.world_model.model import FILES, load_scene_model
-from runtime.worlds.libero.training.course import Course
+from runtime.worlds.libero.training.config import SceneTrainingConfig
 from runtime.worlds.libero.training.models import shipped
 
 
 def test_its_files_belong_together_and_are_small():
     model = load_scene_model(shipped())
-    assert model.encoder.encoder.name == Course().encoder
+    assert model.encoder.encoder.name == SceneTrainingConfig().encoder
     assert all((shipped() / file).stat().st_size < 10_000_000 for file in FILES.values())
 
 
@@ -19,7 +19,7 @@ def test_its_cards_tell_the_command_the_data_and_what_was_seen():
         card = read_card(shipped() / file)
         assert card.command == f"onto train libero {stage} --seed 0"
         assert len(card.commit) == 40
-        assert card.data["demos"] == Course().demos
+        assert card.data["demos"] == SceneTrainingConfig().demos
         assert card.metrics
         assert ("privileged-state" in card.sees) == (stage in {"events", "facts"})
 

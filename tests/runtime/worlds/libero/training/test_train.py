@@ -14,8 +14,8 @@ from onto_compiler.problems import OntoError
 from runtime.training import STAGES, motion
 from runtime.worlds.libero.training import heads
 from runtime.worlds.libero.training import train as training
-from runtime.worlds.libero.training.course import Course
-from runtime.worlds.libero.training.heads import Sampler, calibrate
+from runtime.worlds.libero.training.config import SceneTrainingConfig
+from runtime.worlds.libero.training.heads import WindowSampler, calibrate
 from runtime.worlds.libero.training.measure import tell
 from runtime.worlds.libero.training.scene import SceneFacts
 from runtime.worlds.libero.training.train import FilmPlace, load_windows, train
@@ -23,7 +23,7 @@ from tests.gpu import DEVICE, Gpu
 from tests.interruption import interrupted
 from tests.runtime.worlds.libero.training.test_windows import FACTS
 
-COURSE = Course(
+COURSE = SceneTrainingConfig(
     encoder="pixels:16:128", components=8, members=2, motion=80, appearance=60, estimate=5, facts=80, events=20
 )
 ASKED = SceneFacts(FACTS, {0: (0,)}, {0: (0,)})
@@ -79,7 +79,7 @@ def test_temperatures_make_the_held_out_truth_likelier(trained):
     place, _ = trained
     model = load_scene_model(place.folder)
     held = load_windows(COURSE, place, "held", model.encoder, quiet)
-    ends = Sampler(model.dynamics, held).ends(np.arange(len(held)))
+    ends = WindowSampler(model.dynamics, held).ends(np.arange(len(held)))
     head = model.facts
 
     def entropy() -> float:

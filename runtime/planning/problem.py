@@ -10,12 +10,12 @@ import torch
 
 from grounding.observation import Observation
 from grounding.world_model.dynamics import Dynamics, History, Imagined
-from grounding.world_model.pred import Goal, PredGrounder
+from grounding.world_model.pred import ObservedGoal, PredGrounder
 from onto_compiler.problems import OntoError
-from runtime.planning.cem import Budget, Found, Judge, Sampling
+from runtime.planning.cem import Budget, Candidate, Judge, Sampling
 from runtime.planning.scorers import Scorer
 
-__all__ = ["COPIES", "Question"]
+__all__ = ["COPIES", "PlanningProblem"]
 
 COPIES = 16
 """Evaluations that it takes to judge a plan."""
@@ -24,7 +24,7 @@ _JITTER = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
+class PlanningProblem:
     """One plan to be made; raises ``WM010`` where a number of ``history`` or ``goal`` is not finite.
 
     The longest plan that a mechanism may make has ``longest`` macro steps. ``between`` (2,): the middle of the way that
@@ -35,7 +35,7 @@ class Question:
     grounder: PredGrounder
     scorer: Scorer
     history: History
-    goal: Goal
+    goal: ObservedGoal
     budget: Budget
     sampling: Sampling
     longest: int
@@ -92,7 +92,7 @@ class Question:
 
         return Judge(cost, COPIES)
 
-    def judged(self, found: Found) -> tuple[Observation, float]:
+    def judged(self, found: Candidate) -> tuple[Observation, float]:
         """What is predicted of a plan, and its cost, as means over it and over copies that are a little off.
 
         What holds to the last digit alone, as a bounce off a wall in the last step, does not hold.

@@ -23,14 +23,14 @@ from runtime.worlds.libero.audit.records import TaskAudit, task_of
 from runtime.worlds.libero.simulator.assets import TaskRef, asset_folders
 from runtime.worlds.libero.simulator.compiled import PACKAGES
 
-__all__ = ["KeptTasks"]
+__all__ = ["AuditCache"]
 
 _LOG = logging.getLogger("onto_evwm.audit")
 _PROJECT = Path(__file__).resolve().parents[2]
 _SOURCES = ("grounding", "runtime/worlds/libero/audit", "runtime/worlds/libero/simulator")
 
 
-class KeptTasks:
+class AuditCache:
     """Task audits below ``folder``; None keeps nothing."""
 
     def __init__(self, folder: Path | None, extra: Sequence[str | Path], seed: int) -> None:

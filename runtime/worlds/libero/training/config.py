@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import Any
 
-__all__ = ["Course"]
+__all__ = ["SceneTrainingConfig"]
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class SceneTrainingConfig:
     """``demos`` demonstrations of each of the tasks ``indices`` (all without), of trials of ``demo_seed``."""
 
     encoder: str = "lite0:block7:128"

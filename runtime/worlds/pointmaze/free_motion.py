@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from grounding.jit import compiled
 from runtime.worlds.pointmaze.maze import FRAME_SKIP, RADIUS, Maze
 
-__all__ = ["Coasting"]
+__all__ = ["FreeMotion"]
 
 _WARY = 0.01
 """Within this of a wall, metres, MuJoCo decides: its contacts begin at a margin of 0.002."""
 
 
-class Coasting:
+class FreeMotion:
     """Environment steps of ``maze`` that touch nothing."""
 
     def __init__(self, maze: Maze) -> None:

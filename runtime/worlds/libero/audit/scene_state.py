@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from grounding.scenes import Scene
 
-__all__ = ["Moment", "Observer"]
+__all__ = ["SceneReader", "SceneState"]
 
 _HINGE, _SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 Poses = Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moment:
+class SceneState:
     """Everything by name.
 
     ``poses`` are each movable object's position (3,) in metres and its axes as columns (3, 3); ``hinges`` are in
@@ -33,7 +33,7 @@ class Moment:
     sunk: Mapping[str, float]
 
 
-class Observer:
+class SceneReader:
     """Reads moments of one scene; every name is resolved at construction."""
 
     def __init__(self, scene: Scene) -> None:
@@ -42,12 +42,12 @@ class Observer:
         self._owners = _owners(scene)
         self._entities = frozenset(scene.entities)
 
-    def moment(self, data: mujoco.MjData) -> Moment:
+    def moment(self, data: mujoco.MjData) -> SceneState:
         """Copy what ``data``, a forwarded state of the scene, shows."""
         poses = {n: (data.xpos[b].copy(), data.xmat[b].reshape((3, 3)).copy()) for n, b in self._objects.items()}
         hinges = {name: float(data.qpos[address]) for name, address in self._hinges.items()}
         slides = {name: float(data.qpos[address]) for name, address in self._slides.items()}
-        return Moment(poses, hinges, slides, *self._contacts(data))
+        return SceneState(poses, hinges, slides, *self._contacts(data))
 
     def _contacts(self, data: mujoco.MjData) -> tuple[dict[str, float], dict[str, float]]:
         depths: dict[str, float] = {}

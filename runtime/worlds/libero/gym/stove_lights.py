@@ -12,13 +12,13 @@ from onto_compiler.bddl.ast import TaskSpec
 from onto_compiler.schema import Schema
 from runtime.worlds.libero.simulator.compiled import CompiledScene
 
-__all__ = ["Burners"]
+__all__ = ["StoveLights"]
 
 _NATIVE = "Turnon"
 _ALPHA = 3  # in RGBA
 
 
-class Burners:
+class StoveLights:
     """The sites ``STOVE_burner`` of one scene; without any, nothing is done."""
 
     def __init__(self, scene: CompiledScene, spec: TaskSpec, schema: Schema) -> None:

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from onto_compiler.html import Html, badge, code, element, joined, prose, table, text
 from onto_compiler.schema import Schema
-from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.loop.diagnosis import evidence_status, unmet
+from runtime.loop.diagnosis import satisfied, unmet
 from runtime.loop.records import Diagnosis, Episode, state_name
 from runtime.report.bars import margin_bar
 from runtime.trace.narrate import chain, outcome_sentence, premise_sentence
@@ -167,10 +166,8 @@ def _end(episode: Episode, schema: Schema) -> str:
 def _figure(diagnosis: Diagnosis, episode: Episode, schema: Schema) -> Html:
     fact, unit = diagnosis.fact, unit_of(diagnosis.fact, schema)
     before, after = diagnosis.margin, margin_after(episode, diagnosis.index)
-    status = evidence_status(episode.required.facts, episode.final)[diagnosis.index]
-    bar = margin_bar(
-        before, after, fact.threshold, unit, polarity=fact.polarity, met=bool(STATUSES[status] == SATISFIED)
-    )
+    met = bool(satisfied(episode.required.facts, episode.final)[diagnosis.index])
+    bar = margin_bar(before, after, fact.threshold, unit, polarity=fact.polarity, met=met)
     told = f"{amount(before, unit)} before, {amount(after, unit)} after"
     caption = element("figcaption", code(atom(fact, schema)), element("span", told))
     return element("figure", caption, bar)

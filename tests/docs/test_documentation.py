@@ -146,6 +146,8 @@ def test_torch_is_imported_where_a_model_is_trained_or_used_and_nowhere_else():
         "grounding/world_model/",
         "runtime/planning/",
         "runtime/training/",
+        "runtime/worlds/libero/training/",
+        "runtime/worlds/pointmaze/",
     )
     users = {
         str(path.relative_to(ROOT)) for _, path in modules() if "torch" in {n.split(".")[0] for n in imported(path)}

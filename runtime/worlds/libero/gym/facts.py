@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isnan
 from typing import Any
 
 import mujoco
-import numpy as np
 
 from grounding.observation import Observation
 from grounding.scenes import Scene
@@ -17,11 +16,11 @@ from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import Schema
 from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.loop.diagnosis import diagnose_goal, evidence_status
+from runtime.loop.diagnosis import diagnose_goal, evidence_status, unmet
 from runtime.loop.routing import route
 from runtime.wording import short_name, unit_of
 
-__all__ = ["FactReporter", "GoalReport"]
+__all__ = ["FactReporter", "GoalReport", "fact_rows"]
 
 Row = dict[str, Any]
 
@@ -46,7 +45,6 @@ class FactReporter:
         self._required, self._knowledge, self._level = required, knowledge, level
         self._goal = SimGrounder(scene, required.facts, knowledge.schema)
         self._premise = SimGrounder(scene, required.premise, knowledge.schema)
-        self._polarity = np.array([fact.polarity for fact in required.facts], dtype=np.bool_)
         self._constant = _constants(required.facts, knowledge.schema)
         self._premises = _constants(required.premise, knowledge.schema)
 
@@ -54,8 +52,6 @@ class FactReporter:
         """Ground and diagnose ``data``, which is only read."""
         required, knowledge = self._required, self._knowledge
         observation = self._goal.observe(data, step)
-        holds = observation.truth == self._polarity
-        success = any(holds[list(way)].all() for way in required.ways)
         failures = tuple(
             {
                 **self._constant[found.index],
@@ -69,25 +65,31 @@ class FactReporter:
             }
             for found in diagnose_goal(required, observation, knowledge.tables)
         )
-        return GoalReport(success, self._rows(self._constant, required.facts, observation), failures)
+        return GoalReport(
+            not unmet(required, observation), self._rows(self._constant, required.facts, observation), failures
+        )
 
     def premise(self, data: mujoco.MjData) -> tuple[Row, ...]:
         """The facts that the task declares of its start, in the same form."""
         return self._rows(self._premises, self._required.premise, self._premise.observe(data))
 
     def _rows(self, constant: Sequence[Row], facts: Sequence[Fact], observation: Observation) -> tuple[Row, ...]:
-        labels = self._knowledge.schema.labels
         return tuple(
-            {
-                **known,
-                "truth": bool(observation.truth[i]),
-                "satisfied": STATUSES[code] == SATISFIED,
-                "status": labels[STATUSES[code]],
-                "margin": _number(observation.margin[i]),
-                "limit": observation.limit[i],
-            }
-            for i, (known, code) in enumerate(zip(constant, evidence_status(facts, observation), strict=True))
+            {**known, **row}
+            for known, row in zip(constant, fact_rows(facts, observation, self._knowledge.schema), strict=True)
         )
+
+
+def fact_rows(facts: Sequence[Fact], observation: Observation, schema: Schema) -> Iterator[Row]:
+    """What changes from state to state of each fact's row: truth, satisfaction, status, margin and its limit."""
+    for i, code in enumerate(evidence_status(facts, observation)):
+        yield {
+            "truth": bool(observation.truth[i]),
+            "satisfied": STATUSES[code] == SATISFIED,
+            "status": schema.labels[STATUSES[code]],
+            "margin": _number(observation.margin[i]),
+            "limit": observation.limit[i],
+        }
 
 
 def _constants(facts: Sequence[Fact], schema: Schema) -> tuple[Row, ...]:

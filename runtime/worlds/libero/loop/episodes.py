@@ -14,9 +14,8 @@ from onto_compiler.bddl.parse import parse, parse_file
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
-from onto_compiler.tables import SATISFIED, STATUSES
 from runtime.loop.correction import CorrectionLoop
-from runtime.loop.diagnosis import evidence_status
+from runtime.loop.diagnosis import satisfied
 from runtime.loop.proposer import Proposer
 from runtime.loop.records import Attempt, Episode
 from runtime.worlds.libero.loop.environment import NativeEnvironment
@@ -84,7 +83,7 @@ class EpisodeRunner:
     def correct(self, state_index: int, report: Callable[[Attempt], None] | None = None) -> Episode:
         """Run the loop on the present state, which :meth:`start` left."""
         premise = self.environment.observe_premise()
-        unmet = evidence_status(self.required.premise, premise) != STATUSES.index(SATISFIED)
+        unmet = ~satisfied(self.required.premise, premise)
         correction = self.loop.run(
             self.required, self.environment, np.random.default_rng([self.task.seed, max(state_index, 0)]), report=report
         )

@@ -19,8 +19,8 @@ from onto_compiler.knowledge import Knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import local_name
-from onto_compiler.tables import FIRST, REPEAT, SATISFIED, STATUSES
-from runtime.loop.diagnosis import diagnose_goal, evidence_status, unmet
+from onto_compiler.tables import FIRST, REPEAT
+from runtime.loop.diagnosis import diagnose_goal, satisfied, unmet
 from runtime.loop.faults import RunFault
 from runtime.loop.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
 from runtime.loop.routing import route_or_none
@@ -132,7 +132,7 @@ class EpisodePlayer:
             "control_steps": self.replay.steps,
             "rehearsed_steps": played.rehearsed,
         }
-        unmet_premise = evidence_status(self.required.premise, take.premise) != STATUSES.index(SATISFIED)
+        unmet_premise = ~satisfied(self.required.premise, take.premise)
         outcome, verification = take.end()
         episode = Episode(
             task=self.ref.name,
@@ -259,11 +259,11 @@ class _NativeRun:
         """What is unmet of the preconditions."""
         required, knowledge = self.stage.required, self.stage.knowledge
         seen = self.stage.replay.observe_conditions()
-        status = evidence_status([each.fact for each in required.preconditions], seen)
+        holds = satisfied([each.fact for each in required.preconditions], seen)
         return [
             diagnose_step(GoalStep(each.fact, index, precondition=True), required, observation, seen, knowledge)
             for index, each in enumerate(required.preconditions)
-            if status[index] != STATUSES.index(SATISFIED)
+            if not holds[index]
         ]
 
     def _routed(self, selected: Diagnosis, taken: str | None = None) -> RouteDecision | None:

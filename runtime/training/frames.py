@@ -95,24 +95,24 @@ def encoded(
     states: NDArray[Row],
     draw: Callable[[NDArray[Row]], Pictures],
     encoder: Encoder,
-    kept: Path,
+    path: Path,
     source: DataclassInstance,
     log: Callable[[str], None],
 ) -> Features:
-    """Features (N, D) of the pictures that ``draw`` has of ``states`` (N, P), read from ``kept`` where they lie there.
+    """Features (N, D) of the pictures that ``draw`` has of ``states`` (N, P), read from ``path`` where it has them.
 
     ``source``, a dataclass whose values are JSON, says what the states are: features of others are made anew.
-    ``kept`` is a memory map that is filled a piece at a time, with a note of how far it is beside it, so that an
-    interrupted run goes on.
+    ``path`` is a memory map that is filled in pieces; a JSON file beside it records the progress, from which an
+    interrupted run resumes.
     """
     width = int(np.prod(encoder.shape))
     key = hashlib.sha256(json.dumps([asdict(source), len(states), encoder.identity]).encode()).hexdigest()
-    note = kept.with_suffix(".json")
-    kept.parent.mkdir(parents=True, exist_ok=True)
+    note = path.with_suffix(".json")
+    path.parent.mkdir(parents=True, exist_ok=True)
     shape, done = (len(states), width), _done(note, key)
-    held = _opened(kept, shape) if done else None
+    held = _opened(path, shape) if done else None
     if held is None:
-        held, done = np.lib.format.open_memmap(kept, mode="w+", dtype=np.float32, shape=shape), 0
+        held, done = np.lib.format.open_memmap(path, mode="w+", dtype=np.float32, shape=shape), 0
     while done < len(states):
         rows = slice(done, min(done + _CHUNK, len(states)))
         held[rows] = encoder.encode(draw(states[rows]))
@@ -133,11 +133,11 @@ def _done(note: Path, key: str) -> int:
         return 0
 
 
-def _opened(kept: Path, shape: tuple[int, int]) -> np.memmap[Any, np.dtype[Any]] | None:
-    """What lies in ``kept``; None where that is not whole, or of another shape."""
+def _opened(path: Path, shape: tuple[int, int]) -> np.memmap[Any, np.dtype[Any]] | None:
+    """The array in ``path``; None where it is incomplete or of another shape."""
     try:
-        size = kept.stat().st_size  # opened to be written to, a file that was cut off grows to its length
-        held = np.lib.format.open_memmap(kept, mode="r+")
+        size = path.stat().st_size  # opened to be written to, a file that was cut off grows to its length
+        held = np.lib.format.open_memmap(path, mode="r+")
     except (OSError, ValueError):
         return None
     return held if held.shape == shape and size == held.offset + held.nbytes else None

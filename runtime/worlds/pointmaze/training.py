@@ -223,8 +223,8 @@ def _trajectories(config: MazeTrainingConfig, split: Split) -> Trajectories:
 
 def _pictures(maze: Maze, found: Trajectories, base: Any, place: TrainingDir, log: Log) -> np.ndarray:  # noqa: ANN401
     states = found.states[:, ::MACRO_STEPS].reshape(-1, STATE_DIM)
-    kept = place.unfinished / f"features.{found.source.split}.npy"
-    return encoded(states, lambda rows: draw(maze, rows, base.size), base, kept, found.source, log)
+    path = place.unfinished / f"features.{found.source.split}.npy"
+    return encoded(states, lambda rows: draw(maze, rows, base.size), base, path, found.source, log)
 
 
 def _frames(config: MazeTrainingConfig, split: Split, seen: Projected, place: TrainingDir, log: Log) -> Frames:

@@ -41,9 +41,9 @@ def run_audit(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int, tick: Callabl
     kinds = kinds_of(plan.ontology)
     load_knowledge(*plan.ontology)
     done: dict[TaskRef, TaskAudit] = {}
-    kept = AuditCache(plan.folder, plan.ontology, plan.seed)
+    cache = AuditCache(plan.folder, plan.ontology, plan.seed)
     for ref in refs:
-        if (task := _known(ref, plan, kept)) is not None:
+        if (task := _known(ref, plan, cache)) is not None:
             done[ref] = task
             tick(task)
     for ref, task in _all([ref for ref in refs if ref not in done], plan, jobs):
@@ -95,18 +95,18 @@ def _alone(ref: TaskRef, plan: AuditPlan) -> TaskAudit:
     return task
 
 
-def _known(ref: TaskRef, plan: AuditPlan, kept: AuditCache) -> TaskAudit | None:
+def _known(ref: TaskRef, plan: AuditPlan, cache: AuditCache) -> TaskAudit | None:
     """The audit of ``ref`` as far as ``plan`` asks for, where all of it was kept."""
-    known = kept.load(ref)
+    known = cache.load(ref)
     if known is None or len(known.states) < min(plan.states or known.available, known.available):
         return None
     return replace(known, states=known.states[: plan.states])
 
 
 def _one(ref: TaskRef, plan: AuditPlan) -> TaskAudit:
-    kept = AuditCache(plan.folder, plan.ontology, plan.seed)
-    known = kept.load(ref)
+    cache = AuditCache(plan.folder, plan.ontology, plan.seed)
+    known = cache.load(ref)
     before = known.states if known else ()
     task = audit_task(ref, load_knowledge(*plan.ontology), kinds_of(plan.ontology), plan.states, plan.seed, before)
-    kept.save(ref, task)
+    cache.save(ref, task)
     return task

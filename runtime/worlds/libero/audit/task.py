@@ -140,7 +140,7 @@ def audit_task(
 
 def _groundable(index: Scene, facts: Sequence[Fact], schema: Schema) -> tuple[tuple[Fact, ...], tuple[Fault, ...]]:
     """Those of ``facts`` that the scene can show, and what is wrong with the others."""
-    kept: list[Fact] = []
+    groundable: list[Fact] = []
     faults: list[Fault] = []
     for fact in facts:
         try:
@@ -148,8 +148,8 @@ def _groundable(index: Scene, facts: Sequence[Fact], schema: Schema) -> tuple[tu
         except OntoError as error:
             faults += _faults(error)
         else:
-            kept.append(fact)
-    return tuple(kept), tuple(faults)
+            groundable.append(fact)
+    return tuple(groundable), tuple(faults)
 
 
 def _faults(error: OntoError) -> tuple[Fault, ...]:

@@ -194,9 +194,9 @@ def read_film(path: Path, *, pictures: bool = True) -> Film:
         OntoError: ``WM017``, where it is damaged.
     """
     try:
-        with np.load(path, allow_pickle=False) as kept:
+        with np.load(path, allow_pickle=False) as archive:
             wanted = [field.name for field in fields(Film) if pictures or field.name != "pictures"]
-            arrays: Mapping[str, NDArray[Any]] = {name: kept[name] for name in wanted}
+            arrays: Mapping[str, NDArray[Any]] = {name: archive[name] for name in wanted}
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise OntoError.of(
             "WM017", f"the film cannot be read: {error}", "remove it; it is made again", str(path)

@@ -13,6 +13,7 @@ from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_onto
 from onto_compiler.problems import OntoError, Problem, render_all
 from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import local_name
+from onto_compiler.wording import counted
 
 if TYPE_CHECKING:
     from onto_compiler.batch import Batch
@@ -65,7 +66,7 @@ def _batch(options: argparse.Namespace) -> int:
         sys.stderr.write(f"onto compile: {remark}\n")
     total = batch.summary
     sys.stderr.write(
-        f"{total['files']:,} {'file' if total['files'] == 1 else 'files'}: {total['compiled']:,} compiled, "
+        f"{counted(total['files'], 'file')}: {total['compiled']:,} compiled, "
         f"{total['failed']:,} failed ({total['cached']:,} from cache), {time.perf_counter() - begin:.2f} s\n"
     )
     return FINDINGS if total["failed"] else CLEAN

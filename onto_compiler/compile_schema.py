@@ -78,6 +78,7 @@ SELECT ?this ?name ?term ?field ?weight ?predicate WHERE {
     OPTIONAL { ?this skos:notation ?name } OPTIONAL { ?term plan:ofPredicate ?predicate }
 } ORDER BY ?this ?field ?predicate"""
 _LABELS = "SELECT ?this ?label WHERE { ?this rdfs:label ?label }"
+_SYMBOLS = "SELECT ?this ?symbol WHERE { ?this qudt:symbol ?symbol }"
 _NOTATIONS = "SELECT ?this ?notation WHERE { ?this skos:notation ?notation }"
 
 Row = Mapping[str, str]
@@ -112,6 +113,7 @@ def compile_schema(store: Store) -> Schema:
         preconditions=_preconditions(store),
         notations={row["this"]: row["notation"] for row in _rows(store, _NOTATIONS)},
         scores=_scores(store),
+        symbols={row["this"]: row["symbol"] for row in _rows(store, _SYMBOLS)},
     )
 
 

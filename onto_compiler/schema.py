@@ -138,10 +138,15 @@ class Schema:
     preconditions: tuple[PreconditionRule, ...] = ()
     notations: Mapping[str, str] = field(default_factory=dict)  # term IRI -> its short name in records and JSON
     scores: Mapping[str, Score] = field(default_factory=dict)  # by name
+    symbols: Mapping[str, str] = field(default_factory=dict)  # IRI of a unit -> its ``qudt:symbol``
 
     def is_a(self, cls: str, ancestor: str) -> bool:
         """Whether class ``cls`` is ``ancestor`` or one of its subclasses."""
         return ancestor in self.classes.get(cls, frozenset((cls,)))
+
+    def symbol(self, unit: str) -> str:
+        """How the unit of this IRI is written, or its local name where the ontology does not say."""
+        return self.symbols.get(unit, local_name(unit))
 
     def threshold(self, iri: str) -> JointThreshold | None:
         """The joint threshold whose IRI is ``iri``."""

@@ -1,4 +1,4 @@
-"""How a fact, an amount, a unit and a number of things are said to a person."""
+"""How a fact, a margin and its unit are written for a person."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from math import isnan
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema, local_name
 
-__all__ = ["amount", "atom", "counted", "short_name", "unit_of"]
-
-_SYMBOLS = {"M": "m", "M-PER-SEC": "m s⁻¹", "RAD": "rad", "N": "N"}
+__all__ = ["amount", "atom", "short_name", "unit_of"]
 
 
 def short_name(iri: str, schema: Schema) -> str:
@@ -30,7 +28,7 @@ def unit_of(fact: Fact, schema: Schema) -> str:
     if unit is None:
         thresholds = (schema.threshold(argument.type) for argument in fact.arguments)
         unit = next((threshold.unit for threshold in thresholds if threshold is not None), None)
-    return "" if unit is None else _SYMBOLS.get(local_name(unit), local_name(unit))
+    return "" if unit is None else schema.symbol(unit)
 
 
 def amount(margin: float, unit: str) -> str:
@@ -40,8 +38,3 @@ def amount(margin: float, unit: str) -> str:
     if unit == "m":
         return f"{margin * 1000:+.3g} mm" if abs(margin) < 1 else f"{margin:+.3g} m"
     return f"{margin:+.3g} {unit}".rstrip()
-
-
-def counted(number: int, noun: str) -> str:
-    """``1 task``, ``2 tasks``."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -18,6 +18,7 @@ from onto_compiler.bddl.scope import Named, Scope, scope_of
 from onto_compiler.problems import OntoError, Problem, near
 from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
 from onto_compiler.schema import Binding, JointThreshold, PredicateSignature, Schema, local_name
+from onto_compiler.wording import plural
 
 __all__ = ["lift", "lift_atom", "required_abox"]
 
@@ -274,8 +275,7 @@ def _fact(atom: Atom, predicate: str, entities: tuple[Entity, ...], grounded_by:
 def _wrong_count(atom: Atom, signatures: Sequence[tuple[str, ...]]) -> Problem:
     expected = sorted({len(each) for each in signatures})
     counts = " or ".join(map(str, expected))
-    plural = "" if expected == [1] else "s"
-    message = f"`{atom.predicate}` takes {counts} argument{plural}, found {len(atom.arguments)}"
+    message = f"`{atom.predicate}` takes {counts} {plural(expected[-1], 'argument')}, found {len(atom.arguments)}"
     return Problem.at(atom.span, codes.ARGUMENT_COUNT, message, f"write {_shown(atom.predicate, signatures)}")
 
 

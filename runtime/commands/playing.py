@@ -17,6 +17,7 @@ from onto_compiler.command import CLEAN, FINDINGS, print_json
 from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
+from onto_compiler.wording import counted
 from runtime.commands.opening import start_of
 from runtime.loop.records import GIVEN
 from runtime.report.filmstrip import moments, write_film
@@ -124,6 +125,6 @@ def _story(performance: EpisodeRecord, schema: Schema) -> Iterator[str]:
     settings = dict(episode.provenance)
     attempts = len(episode.attempts)
     yield (
-        f"  {settings['control_steps']} of {settings['horizon']} control steps in {attempts} "
-        f"attempt{'' if attempts == 1 else 's'}, {settings['play']} play; {settings['rehearsed_steps']} rehearsed"
+        f"  {settings['control_steps']} of {settings['horizon']} control steps in "
+        f"{counted(attempts, 'attempt')}, {settings['play']} play; {settings['rehearsed_steps']} rehearsed"
     )

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from onto_compiler.html import Html, badge, code, element, joined, prose, table, text
 from onto_compiler.schema import Schema
+from onto_compiler.wording import counted
 from runtime.loop.diagnosis import satisfied, unmet
 from runtime.loop.records import Diagnosis, Episode, state_name
 from runtime.report.bars import margin_bar
@@ -180,7 +181,7 @@ def answers_section(answers: Sequence[Answer]) -> Html:
         title = answer.question or answer.name or "A query"
         columns = list(zip(*answer.rows, strict=True))
         numeric = [i for i, cells in enumerate(columns) if all(type(plain(c)) in {int, float} for c in cells if c)]
-        caption = f"{len(answer.rows)} row{'' if len(answer.rows) == 1 else 's'}"
+        caption = counted(len(answer.rows), "row")
         if answer.name:
             caption += f" of {answer.name}"
         rows = [tuple(map(words, row)) for row in answer.rows]

@@ -9,6 +9,7 @@ from grounding.observation import Observation
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema, local_name
 from onto_compiler.tables import ABSENT, EXHAUSTED, EXPLICITLY_FALSE, MARGIN_VIOLATED, REPEAT, SATISFIED, STATUSES
+from onto_compiler.wording import counted, plural
 from runtime.loop.diagnosis import evidence_status
 from runtime.loop.records import (
     Application,
@@ -193,7 +194,7 @@ def _applied(application: Application) -> str:
     note = f" ({proposal.note})" if proposal.note else ""
     text = f"Application: candidate {proposal.candidate + 1} of `{proposal.proposer}`{note} {_MODES[application.mode]}"
     if application.mode != "controller":
-        moved = f"{len(proposal.changed)} coordinate{'s' if len(proposal.changed) != 1 else ''} of qpos"
+        moved = f"{counted(len(proposal.changed), 'coordinate')} of qpos"
         return f"{text}; it changes {moved} by {application.displacement:.3g} in all."
     taken = "" if application.steps is None else f" in {application.steps} control steps"
     reason = f": {application.reason}" if application.reason else ""
@@ -254,7 +255,7 @@ def premise_sentence(episode: Episode, schema: Schema) -> str:
         )
     if not broken:
         return f"Its {len(declared)} declared initial facts hold."
-    verb = "does" if len(broken) == 1 else "do"
+    verb = plural(len(broken), "does", "do")
     return f"Of its {len(declared)} declared initial facts, {len(broken)} {verb} not hold: {_listed(broken)}."
 
 

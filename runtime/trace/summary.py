@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from onto_compiler.schema import Schema
+from onto_compiler.wording import counted
 from runtime.loop.records import Attempt, Diagnosis, Episode, ExecutedPlan, Verification, state_name
 from runtime.wording import amount, atom, short_name, unit_of
 
@@ -196,5 +197,5 @@ def _cell(episode: Episode) -> Text:
     if settled is not None:
         text.append("\nsettled" if settled else "\nlost settling", style="green" if settled else "red")
     tries = len(episode.attempts)
-    text.append(f"\n{tries} attempt{'' if tries == 1 else 's'}", style="default")
+    text.append(f"\n{counted(tries, 'attempt')}", style="default")
     return text

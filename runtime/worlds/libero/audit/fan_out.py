@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
-from multiprocessing import get_context
+from functools import lru_cache, partial
 from pathlib import Path
 
 from onto_compiler.knowledge import load_knowledge
+from onto_compiler.pool import WorkerDiedError, map_over_processes
 from runtime.worlds.libero.audit.cache import AuditCache
 from runtime.worlds.libero.audit.kinds import Kind, load_kinds
 from runtime.worlds.libero.audit.measures import DECIDING, MEASURES
@@ -60,36 +58,21 @@ def kinds_of(extra: tuple[str, ...]) -> tuple[Kind, ...]:
 
 
 def _all(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int) -> Iterator[tuple[TaskRef, TaskAudit]]:
-    if jobs <= 1 or len(refs) <= 1:
-        yield from ((ref, _one(ref, plan)) for ref in refs)
-        return
     left = dict.fromkeys(refs)
     try:
-        for ref, task in _pooled(refs, plan, jobs):
+        for ref, task in map_over_processes(partial(_one, plan), refs, jobs):
             del left[ref]
             yield ref, task
-    except BrokenProcessPool:
+    except WorkerDiedError:
         # One task took its process down and the others with it: the rest run alone, and it is known which one it was.
         for ref in left:
             yield ref, _alone(ref, plan)
 
 
-def _pooled(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int) -> Iterator[tuple[TaskRef, TaskAudit]]:
-    # spawn: MuJoCo and Oxigraph hold threads, which a fork would cut in half.
-    with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
-        pending = {pool.submit(_one, ref, plan): ref for ref in refs}
-        try:
-            for future in as_completed(pending):
-                yield pending[future], future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
 def _alone(ref: TaskRef, plan: AuditPlan) -> TaskAudit:
     try:
-        ((_, task),) = _pooled([ref], plan, 1)
-    except BrokenProcessPool:
+        ((_, task),) = map_over_processes(partial(_one, plan), [ref], 1, apart=True)
+    except WorkerDiedError:
         fault = Fault("RUN024", "the process that audited this task died")
         return TaskAudit(ref.suite, ref.index, ref.name, ref.initial_states.is_file(), 0, (), (fault,))
     return task
@@ -103,7 +86,7 @@ def _known(ref: TaskRef, plan: AuditPlan, cache: AuditCache) -> TaskAudit | None
     return replace(known, states=known.states[: plan.states])
 
 
-def _one(ref: TaskRef, plan: AuditPlan) -> TaskAudit:
+def _one(plan: AuditPlan, ref: TaskRef) -> TaskAudit:
     cache = AuditCache(plan.folder, plan.ontology, plan.seed)
     known = cache.load(ref)
     before = known.states if known else ()

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from onto_compiler.problems import OntoError
+from onto_compiler.wording import counted
 from runtime.loop.faults import RunFault
 from runtime.worlds.libero.simulator.compiled import CompiledScene
 from runtime.worlds.libero.simulator.flat_state import FlatStates
@@ -206,7 +207,7 @@ def _checked(action: ArrayLike) -> NDArray[np.float64]:
         what = f"an action that is no array of numbers: {error}"
     else:
         if given.size != ACTION_SIZE:
-            what = f"an action of {given.size} number{'' if given.size == 1 else 's'}"
+            what = f"an action of {counted(given.size, 'number')}"
         elif not np.isfinite(given).all():
             what = f"an action of the numbers {given.tolist()}"
     if what:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tempfile
 import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
@@ -19,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from onto_compiler.atomic import replacing
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.pool import map_over_processes
 from onto_compiler.problems import OntoError
@@ -211,10 +211,7 @@ def _whole(path: Path) -> bool:
 
 def _write(path: Path, film: Film) -> None:
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as scratch:
-            partial_path = Path(scratch) / path.name
-            np.savez_compressed(partial_path, **{field.name: getattr(film, field.name) for field in fields(Film)})
-            partial_path.replace(path)
+        with replacing(path) as place:
+            np.savez_compressed(place, **{field.name: getattr(film, field.name) for field in fields(Film)})
     except OSError as error:
         raise OntoError.of("WM006", f"the film cannot be written: {error.strerror}", "", str(path)) from error

@@ -19,10 +19,10 @@ from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.problems import OntoError, near
 from onto_compiler.schema import local_name
 from onto_compiler.versions import version_of
+from onto_compiler.wording import counted
 from runtime.loop.diagnosis import unmet
 from runtime.loop.records import Episode
 from runtime.trace.file import require_format, write_trace
-from runtime.wording import counted
 from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
 from runtime.worlds.pointmaze.maze import MACRO_STEPS, maze_named
 from runtime.worlds.pointmaze.planning.figures import write_plans

@@ -23,8 +23,9 @@ from runtime.worlds.libero.loop.episodes import PREMISE_STEPS, required_of
 from runtime.worlds.libero.scene.horizons import chosen_task, horizon_of
 from runtime.worlds.libero.scene.observations import Observer
 from runtime.worlds.libero.scene.views import CAMERAS, Convention, Views
+from runtime.worlds.libero.simulator.actions import ACTION_SIZE, DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import compile_scene
-from runtime.worlds.libero.simulator.simulation import ACTION_SIZE, DUMMY_ACTION, Simulation
+from runtime.worlds.libero.simulator.simulation import Simulation
 
 __all__ = ["LiberoEnv"]
 

@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from onto_compiler.problems import OntoError
 from runtime.loop.faults import RunFault
+from runtime.worlds.flat_state import FlatStates
 from runtime.worlds.libero.simulator.actions import ACTION_SIZE, DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
-from runtime.worlds.libero.simulator.flat_state import FlatStates
 from runtime.worlds.libero.simulator.snapshot import BAD_NUMBERS, FULL, Snapshot, check_scene
 
 __all__ = ["Simulation", "Stepper"]

@@ -21,12 +21,12 @@ from benchmarks.intervals import wilson
 from benchmarks.protocol import Protocol, Row, Trial
 from benchmarks.skills_replay import SETTLE, NativeReplay, ReplayVerdict
 from onto_compiler.knowledge import load_knowledge
-from runtime.worlds.libero.loop.episodes import required_of
 from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.simulator.assets import find_task, initial_states, tasks
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.simulation import Simulation
 from runtime.worlds.libero.skills.play import PlayedEpisode, Player, SkillAttempt
+from runtime.worlds.required import required_of
 
 __all__ = ["FIRST_TRY", "PLAYS", "SKILLS", "SUITES", "before_retry", "succeeded", "untimed"]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Triple
 
-from onto_compiler.check.data import Document
+from onto_compiler.check.documents import Document
 from onto_compiler.problems import Problem, Span
 from onto_compiler.rdf import RDF, SH, XSD, shorten
 from onto_compiler.shacl.compile import compile_graph

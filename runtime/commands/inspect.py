@@ -39,6 +39,7 @@ def _ground(options: argparse.Namespace) -> int:
         start, state = start_of(options)
         runner.start(start, state)
         schema, required = runner.knowledge.schema, runner.required
+        title = runner.world.title
         verdict = runner.environment.verify().outcome if runner.environment.judged else None
         record: dict[str, Any] = {"suite": runner.ref.suite, "task": required.task, "state": start}
         for part, facts, observation in (
@@ -77,7 +78,7 @@ def _ground(options: argparse.Namespace) -> int:
     says = {
         True: "the native check says success",
         False: "the native check says no success",
-        None: "LIBERO cannot judge",
+        None: f"{title} cannot judge",
     }
     lines.append(f"  {says[verdict]}")
     sys.stdout.write("\n".join(lines) + "\n")

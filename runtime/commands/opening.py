@@ -14,9 +14,8 @@ from rich.console import Console
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.loop.records import GIVEN
-from runtime.loop.registry import load_proposers
-from runtime.worlds.libero.loop.episodes import EpisodeRunner
-from runtime.worlds.libero.simulator.assets import named_task
+from runtime.worlds.episodes import EpisodeRunner
+from runtime.worlds.world import named_task
 
 __all__ = ["start_of", "task_runner"]
 
@@ -25,12 +24,12 @@ __all__ = ["start_of", "task_runner"]
 def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
     """The runner for ``options.task`` under ``options.ontology`` and ``options.seed``; closed at the end."""
     knowledge = load_knowledge(*options.ontology)
-    proposers = load_proposers(knowledge.schema)
+    world, ref = named_task(options.task)
+    proposers = world.proposers(knowledge.schema)
     budget = getattr(options, "budget", None)
-    ref = named_task(options.task)
     # A line that moves while MuJoCo compiles; it shows on a terminal only.
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
-        runner = EpisodeRunner.open(ref, knowledge, proposers, options.seed, budget)
+        runner = EpisodeRunner.open(world, ref, knowledge, proposers, options.seed, budget)
     try:
         yield runner
     finally:

@@ -14,7 +14,6 @@ import torch
 from numpy.typing import NDArray
 
 from grounding.world_model.encoder import Encoder, Features, Pictures
-from runtime.worlds.pointmaze.maze import MACRO_STEPS
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -52,18 +51,23 @@ class Frames:
     device: str = "cpu"
 
     @property
+    def macro(self) -> int:
+        """Environment steps of a macro step."""
+        return int(self.actions.shape[1] // (self.features.shape[1] - 1))
+
+    @property
     def marks(self) -> NDArray[np.float32]:
         """States (N, K + 1, P) at the macro steps."""
-        return self.states[:, ::MACRO_STEPS]
+        return self.states[:, :: self.macro]
 
     def piece(self, which: Indices, mark: Indices, horizon: int = HORIZON) -> Piece:
         """``horizon`` macro steps of the trajectories ``which`` (B,), each from its macro step of ``mark`` (B,)."""
         row, marks = which[:, None], mark[:, None] + np.arange(horizon + 1)
-        steps = mark[:, None] * MACRO_STEPS + np.arange(horizon * MACRO_STEPS)
+        steps = mark[:, None] * self.macro + np.arange(horizon * self.macro)
         return Piece(
             self.tensor(self.marks[row, marks]),
             self.tensor(np.asarray(self.features[row, marks])),
-            self.tensor(self.actions[row, steps]).unflatten(1, (horizon, MACRO_STEPS)),
+            self.tensor(self.actions[row, steps]).unflatten(1, (horizon, self.macro)),
         )
 
     def tensor(self, values: NDArray[Any]) -> torch.Tensor:
@@ -80,7 +84,7 @@ class Frames:
         missing = torch.from_numpy(np.arange(length)[None] < length - age[:, None])
         proprio = torch.from_numpy(self.marks[which[:, None], marks])
         proprio[missing] = torch.nan
-        steps = marks[:, :-1, None] * MACRO_STEPS + np.arange(MACRO_STEPS)
+        steps = marks[:, :-1, None] * self.macro + np.arange(self.macro)
         actions = torch.from_numpy(self.actions[which[:, None, None], steps])
         actions[missing[:, :-1]] = torch.nan
         return proprio.to(self.device), actions.to(self.device)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from grounding.scenes import Scene
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError, near
-from runtime.worlds.libero.gym.facts import FactReporter
+from runtime.worlds.facts import FactReporter
 from runtime.worlds.pointmaze.grounded import place, required_facts
 from runtime.worlds.pointmaze.maze import ACTION_DIM, FRAME_SKIP, STATE_DIM, TIME_STEP, maze_named
 from runtime.worlds.pointmaze.picture import SIZE, draw

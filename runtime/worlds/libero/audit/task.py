@@ -23,10 +23,11 @@ from runtime.worlds.libero.audit.kinds import Kind
 from runtime.worlds.libero.audit.measures import MEASURES, Reading, StateEvidence
 from runtime.worlds.libero.audit.records import Failure, Fault, StateAudit, TaskAudit
 from runtime.worlds.libero.audit.scene_state import SceneReader
-from runtime.worlds.libero.loop.episodes import PREMISE_STEPS, required_of
+from runtime.worlds.libero.loop.environment import PREMISE_STEPS
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.simulation import Simulation
+from runtime.worlds.required import required_of
 
 __all__ = ["TaskAuditor", "audit_task", "plain"]
 

@@ -17,15 +17,15 @@ from onto_compiler.bddl.dialects import LIBERO, dialect_of
 from onto_compiler.bddl.parse import parse_file
 from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
+from runtime.worlds.flat_state import FlatStates
 from runtime.worlds.libero.simulator import snapshot
+from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.assets import TaskRef
-from runtime.worlds.libero.simulator.flat_state import FlatStates
 from runtime.worlds.libero.simulator.missing_asset import advice, missing_asset
 from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, quiet, randomization_error
-from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION
 from runtime.worlds.libero.simulator.snapshot import BAD_NUMBERS, Snapshot
 
-__all__ = ["DUMMY_ACTION", "NativeTask", "versions"]
+__all__ = ["NativeTask", "versions"]
 
 PLACEMENTS = 10
 """Samples of a crowded scene that are tried before it counts as impossible."""

@@ -14,15 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from onto_compiler.problems import OntoError
 from onto_compiler.wording import counted
 from runtime.loop.faults import RunFault
+from runtime.worlds.flat_state import FlatStates
+from runtime.worlds.libero.simulator.actions import ACTION_SIZE, DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
-from runtime.worlds.libero.simulator.flat_state import FlatStates
 from runtime.worlds.libero.simulator.snapshot import BAD_NUMBERS, FULL, Snapshot, check_scene
 
-__all__ = ["DUMMY_ACTION", "Simulation", "Stepper"]
+__all__ = ["Simulation", "Stepper"]
 
-DUMMY_ACTION = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)  # no motion, gripper open
-"""The action with which LIBERO's evaluations let a scene settle."""
-ACTION_SIZE = 7
 _LOG = logging.getLogger("onto_evwm.mujoco")
 
 

@@ -24,7 +24,7 @@ from runtime.loop.diagnosis import diagnose_goal, satisfied, unmet
 from runtime.loop.faults import RunFault
 from runtime.loop.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
 from runtime.loop.routing import route_or_none
-from runtime.worlds.libero.loop.episodes import PREMISE_STEPS
+from runtime.worlds.libero.loop.environment import PREMISE_STEPS
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import CompiledScene
 from runtime.worlds.libero.simulator.native import versions

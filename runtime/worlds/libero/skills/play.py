@@ -25,8 +25,9 @@ from runtime.loop.faults import RunFault
 from runtime.loop.records import RouteDecision
 from runtime.loop.routing import route_or_none
 from runtime.worlds.libero.scene.targets import slot_of
+from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
-from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION, Simulation
+from runtime.worlds.libero.simulator.simulation import Simulation
 from runtime.worlds.libero.skills.fault import SkillFault
 from runtime.worlds.libero.skills.frames import Pose
 from runtime.worlds.libero.skills.motion import OPEN, Action, grip, reach

@@ -27,8 +27,8 @@ from runtime.loop.faults import RunFault
 from runtime.worlds.libero.demos.collect import CollectionRequest, collect_task
 from runtime.worlds.libero.demos.read import load
 from runtime.worlds.libero.demos.records import Demonstration
+from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.assets import TaskRef, tasks
-from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION
 from runtime.worlds.libero.training.altered import altered
 from runtime.worlds.libero.training.film import Film, Filmer
 from runtime.worlds.libero.training.scene import SUITE, scene_facts

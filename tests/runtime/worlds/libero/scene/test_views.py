@@ -136,7 +136,7 @@ print("flat")
 
 
 def lines(program):
-    from runtime.worlds.libero.simulator.pictures import backend
+    from runtime.worlds.pictures import backend
 
     if backend() is None:
         pytest.skip("this machine cannot draw")
@@ -192,7 +192,7 @@ def test_a_machine_that_cannot_draw_says_what_to_install(monkeypatch):
 def test_an_unknown_camera_is_refused():
     from onto_compiler.problems import OntoError
     from runtime.worlds.libero.gym.environment import LiberoEnv
-    from runtime.worlds.libero.simulator.pictures import backend
+    from runtime.worlds.pictures import backend
 
     if backend() is None:
         pytest.skip("this machine cannot draw")

@@ -34,10 +34,10 @@ class Stage:
 @cache
 def player_of(suite, index):
     from onto_compiler.knowledge import load_knowledge
-    from runtime.worlds.libero.loop.episodes import required_of
     from runtime.worlds.libero.simulator.assets import tasks
     from runtime.worlds.libero.simulator.compiled import compile_scene
     from runtime.worlds.libero.skills.play import Player
+    from runtime.worlds.required import required_of
 
     ref, knowledge = tasks(suite)[index], load_knowledge()
     return ref, Player(compile_scene(ref.bddl), required_of(ref, knowledge, ordered=True), knowledge)

@@ -24,17 +24,17 @@ from runtime.report.filmstrip import moments, write_film
 from runtime.trace.narrate import narrate
 from runtime.trace.store import TraceStore
 from runtime.trace.summary import episode_summary
-from runtime.worlds.libero.loop.episodes import required_of
 from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.simulator.assets import named_task
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.native import NativeTask
-from runtime.worlds.libero.simulator.pictures import Camera
 from runtime.worlds.libero.skills.episode import EpisodePlayer, EpisodeRecord
 from runtime.worlds.libero.skills.offers import Carrying
 from runtime.worlds.libero.skills.offset_grid import OffsetGrid
 from runtime.worlds.libero.skills.play import Player
 from runtime.worlds.libero.skills.replay import NativeReplay
+from runtime.worlds.pictures import Camera
+from runtime.worlds.required import required_of
 
 __all__ = ["play"]
 

@@ -59,7 +59,7 @@ def _film(text: str) -> Path:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from runtime.worlds.libero.simulator.pictures import ADVICE, enable  # noqa: PLC0415 - heavy imports wait for the command to run
+    from runtime.worlds.pictures import ADVICE, enable  # noqa: PLC0415 - heavy imports wait for the command to run
 
     if options.horizon is not None and options.horizon < 1:
         raise OntoError.of("CLI004", f"a horizon of {options.horizon} control steps", "give at least one")
@@ -71,7 +71,7 @@ def _run(options: argparse.Namespace) -> int:
             raise OntoError.of(
                 "SIM031", "no picture can be drawn on this machine, neither by EGL nor by OSMesa", ADVICE
             )
-    from runtime.commands.playing import play  # noqa: PLC0415 - as above
+    from runtime.worlds.libero.commands.playing import play  # noqa: PLC0415 - as above
 
     return play(options)
 

@@ -7,7 +7,7 @@ import pytest
 
 pytestmark = pytest.mark.sim
 DRAW = """
-from runtime.worlds.libero.simulator import pictures
+from runtime.worlds import pictures
 drawing = pictures.enable()
 print(drawing)
 if drawing:

@@ -75,15 +75,9 @@ def _shape_findings(model: Model) -> Iterator[Finding]:
     for result in validate_graph(model.graph, shapes, faults):
         yield _finding(model, result)
     for fault in faults:
-        yield Finding(
-            "SHP002",
-            "error",
-            f"a shape cannot run: {fault.problems[0].message}",
-            "correct the shape; see `onto explain SHP002`",
-            fault.shape,
-            NamedNode(SH + fault.parameter) if fault.parameter else None,
-            fault.value,
-        )
+        code, message, hint = fault.told
+        parameter = NamedNode(SH + fault.parameter) if fault.parameter else None
+        yield Finding(code, "error", message, hint, fault.shape, parameter, fault.value, inside=fault.inside)
 
 
 def _finding(model: Model, result: ShapeResult) -> Finding:

@@ -12,7 +12,6 @@ from onto_compiler.shacl.graph import Term
 from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.prebinding import Query, read_query
 from onto_compiler.shacl.reader import Reader
-from onto_compiler.shacl.sparql import prefixes
 
 __all__ = ["Functions", "declared_functions"]
 
@@ -27,15 +26,29 @@ class Functions(dict[NamedNode, Function]):
         self.store = Store()
 
 
-def declared_functions(reader: Reader) -> Functions:
-    """Every SPARQL function of a shapes graph. Parameters are ordered by ``sh:order``, then by local name."""
+def declared_functions(reader: Reader, faults: list[ShapeFault] | None = None) -> Functions:
+    """Every SPARQL function of a shapes graph. Parameters are ordered by ``sh:order``, then by local name.
+
+    Functions that must not be asked are left out and appended to ``faults``.
+
+    Raises:
+        ShapeFault: the first of them, where no list is given.
+
+    """
     found = Functions()
     for one in reader.graph.instances(NamedNode(SH + "SPARQLFunction")):
-        body = reader.one(one, "select") or reader.one(one, "ask")
+        try:
+            body = reader.query(one, "select") or reader.query(one, "ask")
+        except ShapeFault as fault:
+            if faults is None:
+                raise
+            if not any(fault.same(other) for other in faults):
+                faults.append(fault)
+            continue
         if not isinstance(one, NamedNode) or body is None:
             continue
         names = [name for _, name in sorted(_parameters(reader, one))]
-        found[one] = _function(one, found, read_query(prefixes(reader, one) + body.value, names), names)
+        found[one] = _function(one, found, read_query(body, names), names)
     return found
 
 

@@ -23,7 +23,7 @@ from runtime.trace.store import TraceStore
 from runtime.trace.summary import demo_table, episode_summary
 from runtime.worlds.libero.loop.episodes import EpisodeRunner
 from runtime.worlds.libero.simulator.assets import tasks
-from runtime.worlds.libero.simulator.pictures import ADVICE, Camera
+from runtime.worlds.libero.simulator.pictures import ADVICE, Cameras
 
 __all__ = ["demonstrate"]
 
@@ -69,26 +69,26 @@ def _episodes(options: argparse.Namespace, knowledge: Knowledge, *, drawing: boo
     proposers = load_proposers(knowledge.schema)
     refs = tasks(options.suite)
     columns = (BarColumn(20), MofNCompleteColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress, Cameras() as cameras:
         bar = progress.add_task("", total=len(refs))
         for ref in refs:
             progress.update(bar, description=ref.name.replace("_", " "))
             runner = EpisodeRunner.open(ref, knowledge, proposers, options.seed, options.budget)
             try:
-                yield _show(runner, options.state, drawing=drawing)
+                yield _show(runner, options.state, cameras if drawing else None)
             finally:
                 runner.close()
             progress.advance(bar)
 
 
-def _show(runner: EpisodeRunner, state: int, *, drawing: bool) -> _Shown:
+def _show(runner: EpisodeRunner, state: int, cameras: Cameras | None) -> _Shown:
     runner.start(state)
-    if not drawing:
+    if cameras is None:
         return _Shown(runner.correct(state), None)
-    with Camera(runner.task.model) as camera:
-        before = camera.shoot(runner.task.data)
-        episode = runner.correct(state)
-        return _Shown(episode, (before, camera.shoot(runner.task.data)))
+    camera = cameras.of(runner.task.model)
+    before = camera.shoot(runner.task.data)
+    episode = runner.correct(state)
+    return _Shown(episode, (before, camera.shoot(runner.task.data)))
 
 
 def _report(

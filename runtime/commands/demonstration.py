@@ -21,7 +21,7 @@ from runtime.trace.sparql import Answer, named_query
 from runtime.trace.store import TraceStore
 from runtime.trace.summary import demo_table, episode_summary
 from runtime.worlds.episodes import EpisodeRunner
-from runtime.worlds.pictures import ADVICE, Camera
+from runtime.worlds.pictures import ADVICE, Cameras
 from runtime.worlds.world import world_of
 
 __all__ = ["demonstrate"]
@@ -68,26 +68,26 @@ def _episodes(options: argparse.Namespace, knowledge: Knowledge, *, drawing: boo
     world = world_of(options.suite)
     proposers, refs = world.proposers(knowledge.schema), world.tasks(options.suite)
     columns = (BarColumn(20), MofNCompleteColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress, Cameras() as cameras:
         bar = progress.add_task("", total=len(refs))
         for ref in refs:
             progress.update(bar, description=ref.name.replace("_", " "))
             runner = EpisodeRunner.open(world, ref, knowledge, proposers, options.seed, options.budget)
             try:
-                yield _show(runner, options.state, drawing=drawing)
+                yield _show(runner, options.state, cameras if drawing else None)
             finally:
                 runner.close()
             progress.advance(bar)
 
 
-def _show(runner: EpisodeRunner, state: int, *, drawing: bool) -> _Shown:
+def _show(runner: EpisodeRunner, state: int, cameras: Cameras | None) -> _Shown:
     runner.start(state)
-    if not drawing:
+    if cameras is None:
         return _Shown(runner.correct(state), None)
-    with Camera(runner.environment.model) as camera:
-        before = camera.shoot(runner.environment.data)
-        episode = runner.correct(state)
-        return _Shown(episode, (before, camera.shoot(runner.environment.data)))
+    camera = cameras.of(runner.environment.model)
+    before = camera.shoot(runner.environment.data)
+    episode = runner.correct(state)
+    return _Shown(episode, (before, camera.shoot(runner.environment.data)))
 
 
 def _report(

@@ -12,7 +12,7 @@ from typing import Self
 
 import numpy as np
 
-__all__ = ["ADVICE", "Camera", "backend", "enable"]
+__all__ = ["ADVICE", "Camera", "Cameras", "backend", "enable"]
 
 ADVICE = "for pictures: apt-get install libegl-mesa0 libgl1 (or libosmesa6)"
 _BACKENDS = ("egl", "osmesa")
@@ -20,6 +20,7 @@ _PROBE = "import mujoco; mujoco.GLContext(8, 8).make_current()"
 _PROBE_SECONDS = 20
 _SIZE = (288, 384)  # pixels, height and width
 _QUALITY = 88
+_UNDRAWN = ("_", "body_pos", "body_quat", "site_")  # sites are never shown
 
 
 def enable() -> bool:
@@ -69,6 +70,7 @@ class Camera:
         """Set up drawing for ``model``, a ``mujoco.MjModel``; takes about a second, for the textures."""
         import mujoco  # noqa: PLC0415 - only once its backend was chosen
 
+        self._model = model
         self._renderer = mujoco.Renderer(model, *_SIZE)
         self._name = name
         self._options = mujoco.MjvOption()
@@ -87,10 +89,53 @@ class Camera:
         Image.fromarray(np.asarray(self._renderer.render())).save(buffer, "JPEG", quality=_QUALITY)
         return buffer.getvalue()
 
+    def draws(self, model: object) -> bool:
+        """Whether states of ``model`` may be drawn here as well: it differs in no more than where its bodies are put.
+
+        A state itself says where each body is, so that their places in the model are never drawn.
+        """
+        return all(
+            np.array_equal(value, getattr(model, name), equal_nan=value.dtype.kind == "f")
+            for name in dir(self._model)
+            if not name.startswith(_UNDRAWN) and isinstance(value := getattr(self._model, name), np.ndarray)
+        )
+
+    def close(self) -> None:
+        """Free what drawing takes; allowed more than once."""
+        self._renderer.close()
+
     def __enter__(self) -> Self:
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._renderer.close()
+        self.close()
+
+
+class Cameras:
+    """A camera for one scene after another: the last one again where it draws the next scene too."""
+
+    def __init__(self) -> None:
+        self._last: Camera | None = None
+
+    def of(self, model: object) -> Camera:
+        """A camera for states of ``model``, which is open until the next call."""
+        if self._last is None or not self._last.draws(model):
+            self.close()
+            self._last = Camera(model)
+        return self._last
+
+    def close(self) -> None:
+        """Free what drawing takes; allowed more than once."""
+        if self._last is not None:
+            self._last.close()
+            self._last = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import gc
 import importlib
 import io
 import logging
@@ -21,7 +22,7 @@ from typing import Any, cast
 import mujoco
 
 from onto_compiler.problems import OntoError
-from runtime.worlds.libero.simulator import mass_matrix
+from runtime.worlds.libero.simulator import compiled_once, mass_matrix
 from runtime.worlds.libero.simulator.assets import package_root
 
 __all__ = ["control_env", "predicate_names", "quiet", "randomization_error"]
@@ -53,6 +54,9 @@ def control_env() -> Any:  # noqa: ANN401  a class of an untyped package
             message = f"LIBERO is installed but cannot be imported: {error}"
             raise OntoError.of("SIM010", message, 'install what it needs: pip install "onto-evwm[sim]"') from error
     mass_matrix.mend()
+    compiled_once.install()
+    # robosuite collects garbage whenever it drops a simulation, and would go through all that was imported each time.
+    gc.freeze()
     return found
 
 

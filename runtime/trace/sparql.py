@@ -14,7 +14,7 @@ import ontology
 from onto_compiler.problems import OntoError, Problem, near
 from onto_compiler.rdf import PREFIXES, XSD, shorten
 from onto_compiler.sparql import refusal
-from onto_compiler.turtle.tokens import Source
+from onto_compiler.turtle.tokens import SourceText
 from runtime.trace.names import RUNS
 
 __all__ = ["Answer", "NamedQuery", "ask", "csv_rows", "named_queries", "named_query", "plain", "words"]
@@ -64,7 +64,7 @@ def ask(store: Store, query: str, *, name: str = "", file: str = "") -> Answer:
         refused = refusal(query, prefixes=PREFIXES, graphs=graphs)
         if refused is not None:
             start, length = refused.place(query)
-            span = Source(file, query).span(start, start + length)
+            span = SourceText(file, query).span(start, start + length)
             raise OntoError(Problem.at(span, refused.code, refused.message, refused.hint))
         result = store.query(query, prefixes=PREFIXES, use_default_graph_as_union=True)
         columns, rows = _table(result)

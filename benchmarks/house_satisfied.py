@@ -85,7 +85,7 @@ def _monitor(facts: Sequence[Fact], seen: Observation, knowledge: Knowledge) -> 
 
 
 def _info(facts: Sequence[Fact], seen: Observation, knowledge: Knowledge) -> Answers:
-    from runtime.worlds.libero.gym.facts import fact_rows  # noqa: PLC0415
+    from runtime.worlds.facts import fact_rows  # noqa: PLC0415
 
     return tuple(bool(row["satisfied"]) for row in fact_rows(facts, seen, knowledge.schema))
 

@@ -44,13 +44,15 @@ class Naming:
     """What a world calls the parts of its models.
 
     ``root_suffix`` ends the name of an entity's root body, which stands directly under the world. ``roots`` are further
-    root bodies, by the name of their entity. ``parts`` are named groups of collision geoms that belong to no entity of
-    a task, such as the pads of a gripper: only a contact asks for them.
+    root bodies, by the name of their entity. ``joints`` are the joints of names that stand for joints alone. ``parts``
+    are named groups of collision geoms that belong to no entity of a task, such as the pads of a gripper: only a contact
+    asks for them.
     """
 
     root_suffix: str = "_main"
     collision_group: int = 0
     roots: Mapping[str, str] = field(default_factory=dict)
+    joints: Mapping[str, Sequence[str]] = field(default_factory=dict)
     parts: Mapping[str, Sequence[str]] = field(default_factory=dict)
 
 
@@ -81,6 +83,7 @@ class Scene:
         self._geoms = {e: self._collision_geoms(e) for e in self._roots}
         self._geoms |= {part: self._named_geoms(names) for part, names in naming.parts.items()}
         self._joints = {e: _ids(j for j in range(model.njnt) if self._owner_of_joint(j) == e) for e in self._roots}
+        self._joints |= {name: _ids(model.joint(each).id for each in names) for name, names in naming.joints.items()}
 
     @property
     def entities(self) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -58,7 +59,7 @@ class Grounding:
         conditions = self.conditions(data)
         if self.contact is None:
             return self.combine(conditions)
-        return self.combine((*conditions, self.contact(data, min(map(_margin, conditions)))))
+        return self.combine((*conditions, self.contact(data, min(map(_margin, conditions), default=math.inf))))
 
     def terms(self, data: mujoco.MjData) -> tuple[Term, ...]:
         """Every condition with its own margin."""

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from onto_compiler.problems import OntoError
 
-__all__ = ["FlatStates"]
+__all__ = ["FlatStates", "write_qpos"]
 
 UNIT = 0.01  # how far the length of a pose's quaternion may be from 1
 _HINT = "take the initial states of the same task and LIBERO version"
@@ -44,3 +44,23 @@ class FlatStates:
             message = f"the initial state has no orientation for `{joint}` of `{self._task}`: it is another scene's"
             raise OntoError.of("SIM004", message, _HINT)
         return flat
+
+
+def write_qpos(model: mujoco.MjModel, data: mujoco.MjData, qpos: ArrayLike, task: str, *, still: bool = True) -> None:
+    """Write ``qpos`` (nq,) to ``data`` and recompute what follows from it; ``task`` names the scene in messages.
+
+    ``still`` zeroes the velocity of the joints that it changes. Raises ``SIM004`` where it is another scene's, and
+    ``SIM003`` where it is not finite.
+    """
+    new = np.array(qpos, dtype=np.float64).ravel()
+    if new.size != model.nq:
+        raise OntoError.of("SIM004", f"qpos has {new.size} numbers, the scene of `{task}` needs {model.nq}")
+    if not np.isfinite(new).all():
+        raise OntoError.of("SIM003", f"qpos is not finite at {int(np.argmin(np.isfinite(new)))}")
+    if still:
+        changed = np.flatnonzero(new != data.qpos)
+        for joint in np.unique(np.searchsorted(model.jnt_qposadr, changed, side="right") - 1):
+            stop = model.jnt_dofadr[joint + 1] if joint + 1 < model.njnt else model.nv
+            data.qvel[model.jnt_dofadr[joint] : stop] = 0.0
+    data.qpos[:] = new
+    mujoco.mj_forward(model, data)

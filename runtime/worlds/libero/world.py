@@ -22,7 +22,7 @@ class Libero:
 
     name = "libero"
     title = "LIBERO"
-    domains = ("robosuite", ANY_DOMAIN)
+    domains: Sequence[str] = ("robosuite", ANY_DOMAIN)
 
     def suites(self) -> Sequence[str]:
         """The suites whose task files are installed; raises ``SIM010``."""

@@ -30,9 +30,9 @@ from runtime.worlds.libero.scene.observations import Observer
 from runtime.worlds.libero.scene.views import Views
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import compile_scene
-from runtime.worlds.libero.simulator.snapshot import Snapshot
 from runtime.worlds.libero.skills.play import PlayedEpisode, Player
 from runtime.worlds.required import required_of
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["AFTER", "HELD_OUT", "PAST", "TaskCollector"]
 

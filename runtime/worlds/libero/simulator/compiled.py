@@ -25,7 +25,7 @@ from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
 from runtime.worlds.libero.simulator.assets import configured_assets, package_root
 from runtime.worlds.libero.simulator.scene_cache import SceneCache, SceneRecord, key_of, stamp
-from runtime.worlds.libero.simulator.snapshot import Snapshot, identity
+from runtime.worlds.snapshot import Snapshot, identity
 
 __all__ = ["ArmIndex", "CompiledScene", "compile_scene"]
 

@@ -17,13 +17,14 @@ from onto_compiler.bddl.dialects import LIBERO, dialect_of
 from onto_compiler.bddl.parse import parse_file
 from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
-from runtime.worlds.flat_state import FlatStates
-from runtime.worlds.libero.simulator import snapshot
+from runtime.worlds import snapshot
+from runtime.worlds.flat_state import FlatStates, write_qpos
 from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.missing_asset import advice, missing_asset
-from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, quiet, randomization_error
-from runtime.worlds.libero.simulator.snapshot import BAD_NUMBERS, Snapshot
+from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, randomization_error
+from runtime.worlds.native_import import quiet
+from runtime.worlds.snapshot import BAD_NUMBERS, Snapshot
 
 __all__ = ["NativeTask", "versions"]
 
@@ -198,21 +199,7 @@ class NativeTask:
         ``still`` zeroes the velocity of the joints that it changes. Raises ``SIM004`` or ``SIM003`` as
         :meth:`reset_to`.
         """
-        new = np.array(qpos, dtype=np.float64).ravel()
-        model, data = self.model, self.data
-        if new.size != model.nq:
-            raise OntoError.of(
-                "SIM004", f"qpos has {new.size} numbers, the scene of `{self.bddl.stem}` needs {model.nq}"
-            )
-        if not np.isfinite(new).all():
-            raise OntoError.of("SIM003", f"qpos is not finite at {int(np.argmin(np.isfinite(new)))}")
-        if still:
-            changed = np.flatnonzero(new != data.qpos)
-            for joint in np.unique(np.searchsorted(model.jnt_qposadr, changed, side="right") - 1):
-                stop = model.jnt_dofadr[joint + 1] if joint + 1 < model.njnt else model.nv
-                data.qvel[model.jnt_dofadr[joint] : stop] = 0.0
-        data.qpos[:] = new
-        mujoco.mj_forward(model, data)
+        write_qpos(self.model, self.data, qpos, self.bddl.stem, still=still)
 
     def snapshot(self) -> Snapshot:
         """All that decides what happens next, hidden state included."""

@@ -17,7 +17,7 @@ from runtime.loop.faults import RunFault
 from runtime.worlds.flat_state import FlatStates
 from runtime.worlds.libero.simulator.actions import ACTION_SIZE, DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
-from runtime.worlds.libero.simulator.snapshot import BAD_NUMBERS, FULL, Snapshot, check_scene
+from runtime.worlds.snapshot import BAD_NUMBERS, FULL, Snapshot, check_scene
 
 __all__ = ["Simulation", "Stepper"]
 

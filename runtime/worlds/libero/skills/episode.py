@@ -29,10 +29,10 @@ from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import CompiledScene
 from runtime.worlds.libero.simulator.native import versions
 from runtime.worlds.libero.simulator.simulation import Simulation
-from runtime.worlds.libero.simulator.snapshot import Snapshot
 from runtime.worlds.libero.skills.order import GoalStep, diagnose_step
 from runtime.worlds.libero.skills.play import PlayedEpisode, SkillAttempt
 from runtime.worlds.libero.skills.replay import NativeReplay
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["EpisodePlayer", "EpisodeRecord", "Plays"]
 

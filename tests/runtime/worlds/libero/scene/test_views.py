@@ -17,7 +17,8 @@ from runtime.worlds.libero.simulator import pictures, snapshot
 os.environ["MUJOCO_GL"] = os.environ["PYOPENGL_PLATFORM"] = pictures.backend()
 from runtime.worlds.libero.gym.environment import LiberoEnv
 from runtime.worlds.libero.simulator.assets import initial_states, named_task
-from runtime.worlds.libero.simulator.native_import import control_env, quiet
+from runtime.worlds.libero.simulator.native_import import control_env
+from runtime.worlds.native_import import quiet
 
 task = "libero_goal/turn_on_the_stove"
 ref = named_task(task)

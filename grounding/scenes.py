@@ -45,8 +45,8 @@ class Naming:
 
     ``root_suffix`` ends the name of an entity's root body, which stands directly under the world. ``roots`` are further
     root bodies, by the name of their entity. ``joints`` are the joints of names that stand for joints alone. ``parts``
-    are named groups of collision geoms that belong to no entity of a task, such as the pads of a gripper: only a contact
-    asks for them.
+    are named groups of collision geoms that belong to no entity of a task, such as the pads of a gripper: only a
+    contact asks for them.
     """
 
     root_suffix: str = "_main"

@@ -157,7 +157,7 @@ class RobosuiteTask:
 def _with_regions(environment: Any, spec: TaskSpec) -> Any:  # noqa: ANN401  classes of an untyped package
     """``environment`` with a site for each region that has a rectangle; sites take no part in the physics."""
 
-    class WithRegions(environment):  # type: ignore[misc]  # as above
+    class WithRegions(environment):
         def _load_model(self) -> None:
             super()._load_model()
             for region in spec.regions:
@@ -176,7 +176,7 @@ def _add_site(world: Any, region: Region) -> None:  # noqa: ANN401  an XML eleme
     size = (abs(x1 - x0) / 2, abs(y1 - y0) / 2, DEPTH_M / 2)
     numbers = {"pos": place, "size": size, "rgba": (0.0, 0.0, 0.0, 0.0)}
     text = {name: " ".join(map(str, values)) for name, values in numbers.items()}
-    SubElement(body, "site", name=region.site, type="box", **text)
+    SubElement(body, "site", {"name": region.site, "type": "box", **text})
 
 
 def versions() -> dict[str, str]:

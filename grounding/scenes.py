@@ -62,7 +62,7 @@ class Scene:
     def __init__(self, model: mujoco.MjModel, naming: Naming | None = None) -> None:
         """Index ``model``; it is kept, and nothing of it is changed. Without ``naming``, as robosuite names."""
         self.model = model
-        self._naming = naming = naming or Naming()
+        self.naming = naming = naming or Naming()
         parents = [int(p) for p in model.body_parentid]
         self._owner: list[str | None] = [None] * model.nbody  # entity that a body belongs to
         self._roots: dict[str, int] = {}
@@ -164,7 +164,7 @@ class Scene:
 
     def _entity(self, body: str) -> str | None:
         """The entity whose root ``body`` is, by the world's names."""
-        naming = self._naming
+        naming = self.naming
         given = next((entity for entity, root in naming.roots.items() if root == body), None)
         if given is None and body.endswith(naming.root_suffix):
             return body.removesuffix(naming.root_suffix)
@@ -179,7 +179,7 @@ class Scene:
             g
             for g in range(model.ngeom)
             if self._owner[int(model.geom_bodyid[g])] == entity
-            and model.geom_group[g] == self._naming.collision_group
+            and model.geom_group[g] == self.naming.collision_group
             and _name(model, mujoco.mjtObj.mjOBJ_GEOM, g)
         )
 

@@ -2,8 +2,8 @@
 
 For every task of the world, states are made without knowing the task: objects and joints that its facts name, and the
 arm, are moved at random (random), let go for five control steps (settled), and brought to where robosuite's success
-changes (threshold): on the segment between a state that succeeds and one that does not, halved 24 times, so that its ends
-are less than a micrometre or microradian apart. There is no baseline: robosuite's check is the oracle.
+changes (threshold): on the segment between a state that succeeds and one that does not, halved 24 times, so that its
+ends are less than a micrometre or microradian apart. There is no baseline: robosuite's check is the oracle.
 """
 
 from __future__ import annotations

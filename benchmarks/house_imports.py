@@ -7,17 +7,21 @@ that cannot be understood without another depends on it. The rules are in ``docs
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["LAYERS", "Import", "import_circles", "imports", "upward_imports", "world_leaks"]
+from runtime.worlds.world import TaskRef, world_named
+
+__all__ = ["LAYERS", "Import", "import_circles", "imports", "naming_tasks_of", "upward_imports", "world_leaks"]
 
 LAYERS = ("ontology", "onto_compiler", "grounding", "runtime", "benchmarks")
 """The packages, each of which imports itself and those before it."""
 WORLDS = "runtime.worlds"
 SIMULATORS = {"libero": {"libero"}, "robosuite": {"libero", "robosuite"}}
 """Packages that only some worlds import, and which those are."""
+_TEXTS = {".py", ".ttl", ".bddl", ".rq"}
 _ROOT = Path(__file__).parents[1]
 
 
@@ -64,6 +68,32 @@ def world_leaks(found: Sequence[Import] | None = None) -> list[str]:
     A world is a folder of ``runtime/worlds``; what stands beside the folders is shared, and imports none of them.
     """
     return [str(each) for each in (imports() if found is None else found) if _leaks(each)]
+
+
+def naming_tasks_of(world: str) -> list[str]:
+    """The files of :data:`LAYERS` that name a task of ``world``, outside its own folder and the bindings.
+
+    A task is named by its name in quotation marks, by ``SUITE/NAME`` or ``SUITE/INDEX``, or as a problem. Raises
+    ``RUN015``, ``SIM010`` where the world cannot say its tasks.
+    """
+    found = world_named(world)
+    refs = [ref for suite in found.suites() for ref in found.tasks(suite)]
+    suites, names = (
+        "|".join(sorted({re.escape(each) for each in kind})) for kind in zip(*map(_names, refs), strict=True)
+    )
+    named = re.compile(rf"""["']({names})["']|\b({suites})/({names}|\d+)\b|\bproblem ({names})\b""")
+    own = (f"{WORLDS.replace('.', '/')}/{world}/", "ontology/bindings/")
+    texts = sorted(path for layer in LAYERS for path in (_ROOT / layer).rglob("*") if path.suffix in _TEXTS)
+    places = {path.relative_to(_ROOT).as_posix(): path for path in texts}
+    return [
+        place
+        for place, path in places.items()
+        if not place.startswith(own) and named.search(path.read_text(encoding="utf-8"))
+    ]
+
+
+def _names(ref: TaskRef) -> tuple[str, str]:
+    return ref.suite, ref.name
 
 
 def _leaks(each: Import) -> bool:

@@ -8,16 +8,15 @@ ends are less than a micrometre or microradian apart. There is no baseline: robo
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.house_imports import naming_tasks_of
 from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.required import RequiredABox
@@ -33,7 +32,6 @@ from runtime.worlds.world import find_task
 __all__ = ["ROBOSUITE"]
 
 SEED = 0
-ROOT = Path(__file__).parents[1]
 Array = NDArray[np.float64]
 _HALVINGS = 24
 _NEAR_M, _FAR_M = 0.02, 0.3  # how far from what a fact names an object is thrown
@@ -68,7 +66,7 @@ def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signatur
 def run(trial: Trial) -> list[Row]:
     """One row: of a task's states, of one repair, or of the files."""
     if trial["kind"] == "files":
-        return [{"mode": "none", "sees": "true-dynamics", "files": _files()}]
+        return [{"mode": "none", "sees": "true-dynamics", "files": naming_tasks_of(WORLD.name)}]
     runner = EpisodeRunner.open(WORLD, find_task(SUITE, WORLD.tasks(SUITE), trial["task"]), load_knowledge(), seed=SEED)
     try:
         return [
@@ -227,23 +225,6 @@ class _Prober:
                 yield data.xpos[scene.root_body(name)].copy()
             elif scene.is_site(name):
                 yield data.site_xpos[scene.site(name)].copy()
-
-
-def _files() -> list[str]:
-    """Files of this repository that name a task of the world, outside its folder, its bindings and what lists it."""
-    names = "|".join(re.escape(ref.name) for ref in WORLD.tasks(SUITE))
-    named = re.compile(rf"""["']({names})["']|\b{SUITE}/({names})\b|\bproblem ({names})\b""")
-    own = ("runtime/worlds/robosuite/", "ontology/bindings/")
-    places = [
-        path for layer in ("ontology", "onto_compiler", "grounding", "runtime", "benchmarks") for path in _texts(layer)
-    ]
-    return [path for path in places if not path.startswith(own) and named.search((ROOT / path).read_text("utf-8"))]
-
-
-def _texts(folder: str) -> Iterator[str]:
-    for path in sorted((ROOT / folder).rglob("*")):
-        if path.suffix in {".py", ".ttl", ".bddl", ".rq"}:
-            yield path.relative_to(ROOT).as_posix()
 
 
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:

@@ -23,7 +23,18 @@ if TYPE_CHECKING:
     from runtime.loop.proposer import Proposer
     from runtime.worlds.environment import TaskEnvironment
 
-__all__ = ["ANY_DOMAIN", "GROUP", "TaskRef", "World", "find_task", "named_task", "suites", "task_named", "world_of"]
+__all__ = [
+    "ANY_DOMAIN",
+    "GROUP",
+    "TaskRef",
+    "World",
+    "find_task",
+    "named_task",
+    "suites",
+    "task_named",
+    "world_named",
+    "world_of",
+]
 
 GROUP = "onto_evwm.worlds"
 ANY_DOMAIN = "*"
@@ -136,10 +147,10 @@ def world_of(suite: str) -> World:
     """
     for name in _installed():
         if suite in _suites_of(name):
-            return _load(name)
+            return world_named(name)
     for name in _installed():
         if suite == name or suite.startswith(f"{name}_"):
-            _load(name).suites()
+            world_named(name).suites()
     hint = "; ".join(filter(None, (near(suite, suites()), *map(_listed, _installed()))))
     raise OntoError.of("SIM011", f"no world has a suite `{suite}`", hint)
 
@@ -153,7 +164,7 @@ def _world_of_file(path: Path) -> World:
     worlds: list[World] = []
     for name in _installed():
         with suppress(OntoError):  # another world may play it
-            worlds.append(_load(name))
+            worlds.append(world_named(name))
     for wanted in (domain, ANY_DOMAIN):
         for world in worlds:
             if wanted in world.domains:
@@ -165,7 +176,7 @@ def _world_of_file(path: Path) -> World:
 def _suites_of(name: str) -> Sequence[str]:
     """The suites of a world; none where it cannot be loaded, or lacks its simulator."""
     try:
-        return _load(name).suites()
+        return world_named(name).suites()
     except OntoError:
         return ()
 
@@ -173,7 +184,7 @@ def _suites_of(name: str) -> Sequence[str]:
 def _listed(name: str) -> str:
     """A world with its suites, or with the reason why it has none."""
     try:
-        return f"{name}: {', '.join(_load(name).suites())}"
+        return f"{name}: {', '.join(world_named(name).suites())}"
     except OntoError as error:
         return f"{name}: {'; '.join(problem.message for problem in error.problems)}"
 
@@ -184,7 +195,7 @@ def _installed() -> tuple[str, ...]:
 
 
 @cache
-def _load(name: str) -> World:
+def world_named(name: str) -> World:
     """The world registered as ``name``; raises ``RUN015`` with the reason where it cannot be loaded."""
     (entry, *_) = (entry for entry in entry_points(group=GROUP) if entry.name == name)
     try:

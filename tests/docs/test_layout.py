@@ -2,7 +2,14 @@
 
 import pytest
 
-from benchmarks.house_imports import Import, import_circles, imports, upward_imports, world_leaks
+from benchmarks.house_imports import (
+    Import,
+    import_circles,
+    imports,
+    naming_tasks_of,
+    upward_imports,
+    world_leaks,
+)
 
 FOUND = imports()
 
@@ -50,3 +57,8 @@ def test_circles_and_upward_imports_are_found():
     ring = [Import("onto_compiler.a", "grounding.b", 3), Import("grounding.b", "onto_compiler.a", 7)]
     assert import_circles(ring) == ["grounding.b <-> onto_compiler.a"]
     assert upward_imports(ring) == ["onto_compiler.a:3 imports grounding.b"]
+
+
+def test_a_new_world_touches_no_other_file():
+    assert naming_tasks_of("robosuite") == []
+    assert "runtime/commands/inspect.py" in naming_tasks_of("libero")  # its help has examples

@@ -31,7 +31,7 @@ TRAY = Tray()
 def caches():
     yield
     world._installed.cache_clear()
-    world._load.cache_clear()
+    world.world_named.cache_clear()
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def installed(monkeypatch):
     def install(*entries):
         monkeypatch.setattr(world, "entry_points", lambda group: list(entries) if group == GROUP else [])
         world._installed.cache_clear()
-        world._load.cache_clear()
+        world.world_named.cache_clear()
 
     return install
 

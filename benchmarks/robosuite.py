@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import mujoco
@@ -67,13 +68,16 @@ def run(trial: Trial) -> list[Row]:
     """One row: of a task's states, of one repair, or of the files."""
     if trial["kind"] == "files":
         return [{"mode": "none", "sees": "true-dynamics", "files": naming_tasks_of(WORLD.name)}]
-    runner = EpisodeRunner.open(WORLD, find_task(SUITE, WORLD.tasks(SUITE), trial["task"]), load_knowledge(), seed=SEED)
-    try:
-        return [
-            _states(runner, COUNTS[trial["full"]]) if trial["kind"] == "states" else _repair(runner, trial["state"])
-        ]
-    finally:
-        runner.close()
+    runner = _runner(trial["task"])
+    if trial["kind"] == "repair":
+        return [_repair(runner, trial["state"])]
+    return [_states(runner, COUNTS[trial["full"]])]
+
+
+@lru_cache(maxsize=1)
+def _runner(task: str) -> EpisodeRunner:
+    """The scene of the task that this process works on; trials come task by task."""
+    return EpisodeRunner.open(WORLD, find_task(SUITE, WORLD.tasks(SUITE), task), load_knowledge(), seed=SEED)
 
 
 def _repair(runner: EpisodeRunner, state: int) -> Row:

@@ -40,6 +40,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "grounding": runtime_tables.grounding_table,
     "lsp": compiler_tables.lsp_table,
     "pointmaze": pointmaze_table,
+    "robosuite": runtime_tables.robosuite_table,
     "simulator": runtime_tables.simulator_table,
     "skills": skills_table,
     "state_repair": runtime_tables.state_repair_table,

@@ -51,9 +51,10 @@ print(drawing)
 if drawing:
     import mujoco
     XML = '''<mujoco><worldbody><light pos="0 0 2"/><camera name="agentview" pos="0 -1 .2" xyaxes="1 0 0 0 0 1"/>
-<body pos="{x} 0 0"><geom type="box" size=".2 .2 .2" rgba="1 {green} 0 1" group="1"/></body></worldbody></mujoco>'''
+<body><geom type="box" size=".2 .2 .2" rgba="1 {green} 0 1" group="1"/></body></worldbody></mujoco>'''
     def scene(x, green):
-        model = mujoco.MjModel.from_xml_string(XML.format(x=x, green=green))
+        model = mujoco.MjModel.from_xml_string(XML.format(green=green))
+        model.body_pos[1] = x, 0, 0  # as LIBERO places fixtures
         data = mujoco.MjData(model)
         mujoco.mj_forward(model, data)
         return model, data

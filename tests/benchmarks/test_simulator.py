@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.simulator import SIMULATOR, TASKS
 from benchmarks.protocol import untimed
+from benchmarks.simulator import SIMULATOR, TASKS
 
 pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("simulator_rows")]
 

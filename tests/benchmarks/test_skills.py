@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from benchmarks import skills
-from benchmarks.skills import SKILLS, before_retry, metrics
 from benchmarks.protocol import untimed
+from benchmarks.skills import SKILLS, before_retry, metrics
 from benchmarks.skills_tables import skills_table
 
 ON = "on(bowl, plate)"

@@ -75,7 +75,7 @@ def _measure(protocol: Protocol, options: argparse.Namespace) -> dict[str, Any]:
     parts = None
     if protocol.parts:
         made = made_by(command) | processors()
-        rows, parts = joined(folder / f"{protocol.name}.json", protocol, every, rows, made)
+        rows, parts = joined(folder / protocol.file, protocol, every, rows, made)
     path = write_result(folder, protocol, rows, command, parts=parts)
     sys.stderr.write(f"wrote {path}\n")
     return read_result(path)

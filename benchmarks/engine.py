@@ -14,7 +14,7 @@ from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.pool import map_over_processes
 from onto_compiler.problems import OntoError
 
-__all__ = ["run_protocol"]
+__all__ = ["run_protocol", "run_trial"]
 
 
 def run_protocol(
@@ -60,11 +60,12 @@ def _run_all(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator
     together = [trial for trial in trials if not protocol.alone(trial)]
     alone = [trial for trial in trials if protocol.alone(trial)]
     for chosen, processes in ((together, jobs), (alone, 1)):
-        for trial, rows in map_over_processes(partial(_run_one, protocol), chosen, processes):
+        for trial, rows in map_over_processes(partial(run_trial, protocol), chosen, processes):
             yield trial["key"], rows
 
 
-def _run_one(protocol: Protocol, trial: Trial) -> list[Row]:
+def run_trial(protocol: Protocol, trial: Trial) -> list[Row]:
+    """The trial's rows as they are published; of a trial that raised one row with ``crashed`` set."""
     started = time.perf_counter()
     try:
         rows = list(protocol.run(trial))

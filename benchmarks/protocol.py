@@ -9,7 +9,7 @@ from typing import Any
 
 from onto_compiler.problems import OntoError, near
 
-__all__ = ["GROUP", "Protocol", "Row", "Trial", "alone", "load_protocols", "protocol_named"]
+__all__ = ["GROUP", "Protocol", "Row", "Trial", "alone", "load_protocols", "protocol_named", "untimed"]
 
 GROUP = "onto_evwm.protocols"
 Row = dict[str, Any]
@@ -34,7 +34,8 @@ class Protocol:
     holds its ``mode`` (``none``, ``state`` or ``controller``) and what it ``sees``; the engine adds the trial to it.
     Trials that are timed run ``alone``: in this process, one after another, when all others are done, however many
     processes there might be. ``parts`` names the field of a trial by whose values the protocol can be run part by part
-    (``onto bench NAME --part VALUE``).
+    (``onto bench NAME --part VALUE``). ``timed`` names the fields of a row that differ from run to run: times and
+    memory. ``result`` is the name of the published file, where it is not the protocol's.
     """
 
     name: str
@@ -45,6 +46,19 @@ class Protocol:
     metrics: Callable[[Sequence[Row]], Mapping[str, float]]
     alone: Callable[[Trial], bool] = _together
     parts: str = ""
+    timed: frozenset[str] = frozenset()
+    result: str = ""
+
+    @property
+    def file(self) -> str:
+        """Name of the file that is published, without its folder."""
+        return f"{self.result or self.name}.json"
+
+
+def untimed(protocol: Protocol, rows: Sequence[Row]) -> list[Row]:
+    """``rows`` without what was timed: what two runs of the same trials have to agree on."""
+    left_out = {*protocol.timed, "seconds"}
+    return [{name: value for name, value in row.items() if name not in left_out} for row in rows]
 
 
 def load_protocols() -> dict[str, Protocol]:

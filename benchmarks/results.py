@@ -48,11 +48,11 @@ def write_result(
     extra: Mapping[str, float] | None = None,
     parts: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Path:
-    """Write ``folder/NAME.json``; ``metrics`` is recomputed from ``rows``, and ``extra`` adds what no row holds.
+    """Write the protocol's file in ``folder``; ``metrics`` is recomputed from ``rows``.
 
-    ``parts`` says of each part, where they were run apart, how it was made.
+    ``extra`` adds what no row holds. ``parts`` says of each part, where they were run apart, how it was made.
     """
-    path = folder / f"{protocol.name}.json"
+    path = folder / protocol.file
     record: dict[str, Any] = {
         "protocol": protocol.name,
         **made_by(command),

@@ -257,4 +257,5 @@ VALIDATOR = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    timed=frozenset({"validate_s", "engine_s", "plain_s", "pyshacl_s"}),
 )

@@ -20,7 +20,7 @@ _PROBE = "import mujoco; mujoco.GLContext(8, 8).make_current()"
 _PROBE_SECONDS = 20
 _SIZE = (288, 384)  # pixels, height and width
 _QUALITY = 88
-_UNDRAWN = ("_", "body_pos", "body_quat", "site_")  # sites are never shown
+_NOT_COMPARED = ("_", "body_pos", "body_quat", "site_", "tex_data", "mesh_")  # sites are never shown
 
 
 def enable() -> bool:
@@ -92,13 +92,10 @@ class Camera:
     def draws(self, model: object) -> bool:
         """Whether states of ``model`` may be drawn here as well: it differs in no more than where its bodies are put.
 
-        A state itself says where each body is, so that their places in the model are never drawn.
+        A state itself says where each body is, so that their places in the model are never drawn. Of meshes and
+        textures, which are hundreds of megabytes, the names of their files and their sizes are compared.
         """
-        return all(
-            np.array_equal(value, getattr(model, name), equal_nan=value.dtype.kind == "f")
-            for name in dir(self._model)
-            if not name.startswith(_UNDRAWN) and isinstance(value := getattr(self._model, name), np.ndarray)
-        )
+        return all(_same(getattr(self._model, name), getattr(model, name)) for name in _drawn(self._model))
 
     def close(self) -> None:
         """Free what drawing takes; allowed more than once."""
@@ -111,6 +108,18 @@ class Camera:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def _drawn(model: object) -> list[str]:
+    """Names of the members of ``model`` that decide how it looks."""
+    return [name for name in dir(model) if not name.startswith(_NOT_COMPARED)]
+
+
+def _same(first: object, second: object) -> bool:
+    """Whether two members of models are equal; of what is neither array nor bytes nor number nothing is said."""
+    if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
+        return np.array_equal(first, second, equal_nan=first.dtype.kind == "f")
+    return first == second if isinstance(first, bytes | int) else True
 
 
 class Cameras:

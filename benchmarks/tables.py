@@ -13,6 +13,7 @@ from typing import Any
 
 from benchmarks import compiler_tables, runtime_tables
 from benchmarks.audit_tables import audit_table, suites_table, versions_table
+from benchmarks.house_table import house_table
 from benchmarks.markdown import origin
 from benchmarks.pointmaze_tables import pointmaze_table
 from benchmarks.results import RESULTS, read_result
@@ -38,6 +39,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "demos": runtime_tables.demos_table,
     "fuzz": compiler_tables.fuzz_table,
     "grounding": runtime_tables.grounding_table,
+    "house": house_table,
     "lsp": compiler_tables.lsp_table,
     "pointmaze": pointmaze_table,
     "robosuite": runtime_tables.robosuite_table,

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Any
+from dataclasses import asdict
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
-from runtime.commands.options import add_state, add_task
+from runtime.commands.options import add_state, add_task, chosen_state
 
 __all__ = ["DIAGNOSE", "GROUND"]
 
@@ -29,119 +29,56 @@ def _configure_diagnose(parser: argparse.ArgumentParser) -> None:
 
 
 def _ground(options: argparse.Namespace) -> int:
-    from onto_compiler.tables import SATISFIED, STATUSES  # noqa: PLC0415 - heavy imports wait for the command to run
-    from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415
-    from runtime.loop.diagnosis import evidence_status  # noqa: PLC0415
+    from runtime.commands.tasks import ground  # noqa: PLC0415 - heavy imports wait for the command to run
     from runtime.loop.records import state_name  # noqa: PLC0415
-    from runtime.wording import amount, atom, short_name, unit_of  # noqa: PLC0415
+    from runtime.wording import amount  # noqa: PLC0415
 
-    with task_runner(options) as runner:
-        start, state = start_of(options)
-        runner.start(start, state)
-        schema, required = runner.knowledge.schema, runner.required
-        title = runner.world.title
-        verdict = runner.environment.verify().outcome if runner.environment.judged else None
-        record: dict[str, Any] = {"suite": runner.ref.suite, "task": required.task, "state": start}
-        for part, facts, observation in (
-            ("facts", required.facts, runner.environment.observe()),
-            ("premise", required.premise, runner.environment.observe_premise()),
-        ):
-            statuses = evidence_status(facts, observation)
-            record[part] = [
-                {
-                    "fact": atom(fact, schema),
-                    "predicate": short_name(fact.predicate, schema),
-                    "arguments": [argument.name for argument in fact.arguments],
-                    "polarity": fact.polarity,
-                    "truth": bool(observation.truth[i]),
-                    "satisfied": STATUSES[statuses[i]] == SATISFIED,
-                    "status": schema.labels[STATUSES[statuses[i]]],
-                    "margin": float(observation.margin[i]),
-                    "unit": unit_of(fact, schema),
-                    "limit": observation.limit[i],
-                    "native": str(fact.native),
-                }
-                for i, fact in enumerate(facts)
-            ]
-        record["native_success"] = verdict
+    found = ground(options.task, state=chosen_state(options), ontology=options.ontology, seed=options.seed)
     if options.format == "json":
-        print_json(record)
+        print_json(asdict(found))
         return CLEAN
-    lines = [f"{record['task']}, {state_name(start)}, after settling"]
-    for part, heading in (("facts", "goal"), ("premise", "premise")):
+    lines = [f"{found.task}, {state_name(found.state)}, after settling"]
+    for heading, facts in (("goal", found.facts), ("premise", found.premise)):
         lines.append(f"  {heading}")
-        for row in record[part]:
-            mark = "yes" if row["satisfied"] else "no"
-            limit = f" ({row['limit']})" if row["limit"] else ""
-            status = "tolerated" if row["satisfied"] and row["truth"] != row["polarity"] else row["status"]
-            lines.append(f"    {mark:<4}{row['fact']}: {amount(row['margin'], row['unit'])}{limit}, {status}")
+        for row in facts:
+            mark = "yes" if row.satisfied else "no"
+            limit = f" ({row.limit})" if row.limit else ""
+            status = "tolerated" if row.satisfied and row.truth != row.polarity else row.status
+            lines.append(f"    {mark:<4}{row.fact}: {amount(row.margin, row.unit)}{limit}, {status}")
     says = {
         True: "the native check says success",
         False: "the native check says no success",
-        None: f"{title} cannot judge",
+        None: f"{found.world} cannot judge",
     }
-    lines.append(f"  {says[verdict]}")
+    lines.append(f"  {says[found.native_success]}")
     sys.stdout.write("\n".join(lines) + "\n")
     return CLEAN
 
 
 def _diagnose(options: argparse.Namespace) -> int:
-    from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415 - as above
-    from runtime.loop.diagnosis import by_distance, diagnose_goal, select  # noqa: PLC0415
+    from runtime.commands.tasks import diagnose  # noqa: PLC0415 - as above
     from runtime.loop.records import state_name  # noqa: PLC0415
-    from runtime.loop.routing import route  # noqa: PLC0415
-    from runtime.wording import amount, atom, short_name, unit_of  # noqa: PLC0415
+    from runtime.wording import amount  # noqa: PLC0415
 
-    with task_runner(options) as runner:
-        start, state = start_of(options)
-        runner.start(start, state)
-        knowledge, required = runner.knowledge, runner.required
-        observation = runner.environment.observe()
-        ways = by_distance(required, observation)
-        ranked = [
-            diagnose_goal(required, observation, knowledge.tables, rank)
-            for rank in range(len(ways) if options.alternatives else 1)
-        ]
-        found, task = ranked[0], required.task
-    schema = knowledge.schema
-    first = select(found).index if found else -1
-    rows = [
-        {
-            "predicate": short_name(d.fact.predicate, schema),
-            "arguments": [argument.name for argument in d.fact.arguments],
-            "polarity": d.fact.polarity,
-            "truth": d.truth,
-            "status": schema.labels[d.status],
-            "margin": d.margin,
-            "unit": unit_of(d.fact, schema),
-            "limit": d.limit,
-            "failure": short_name(d.failure, schema),
-            "route": short_name(route(d, knowledge).route, schema),
-            "rule": schema.labels.get(d.rule, d.rule),
-            "selected": d.index == first,
-        }
-        for d in found
-    ]
+    found = diagnose(options.task, state=chosen_state(options), ontology=options.ontology, seed=options.seed)
+    rows = found.diagnoses
     if options.format == "json":
-        record: dict[str, Any] = {"task": task, "state": start, "diagnoses": rows}
-        if options.alternatives:
-            record["alternatives"] = [[atom(d.fact, schema) for d in each] for each in ranked]
-        print_json(record)
-    else:
-        lines = [f"{task}, {state_name(start)}: {len(rows) or 'no'} unmet of {len(ways[0])} required"]
-        if len(ways) > 1:
-            lines[0] += f", by the nearest of {len(ways)} alternatives"
-        for diagnosis, row in zip(found, rows, strict=True):
-            margin = amount(diagnosis.margin, unit_of(diagnosis.fact, schema))
-            limit = f", decided by {row['limit']}" if row["limit"] else ""
-            lines += [
-                f"  {row['failure']}: {atom(diagnosis.fact, schema)}",
-                f"    margin {margin}{limit}; {row['status']}; rule “{row['rule']}”",
-                f"    route {row['route']}{' (selected first)' if row['selected'] and len(rows) > 1 else ''}",
-            ]
-        for rank, each in enumerate(ranked[1:], 2):
-            lines.append(f"  alternative {rank}: {', '.join(atom(d.fact, schema) for d in each) or 'nothing unmet'}")
-        sys.stdout.write("\n".join(lines) + "\n")
+        record = {"task": found.task, "state": found.state, "diagnoses": [asdict(row) for row in rows]}
+        print_json(record | ({"alternatives": found.alternatives} if options.alternatives else {}))
+        return FINDINGS if rows else CLEAN
+    lines = [f"{found.task}, {state_name(found.state)}: {len(rows) or 'no'} unmet of {found.required} required"]
+    if len(found.alternatives) > 1:
+        lines[0] += f", by the nearest of {len(found.alternatives)} alternatives"
+    for row in rows:
+        limit = f", decided by {row.limit}" if row.limit else ""
+        lines += [
+            f"  {row.failure}: {row.fact}",
+            f"    margin {amount(row.margin, row.unit)}{limit}; {row.status}; rule “{row.rule}”",
+            f"    route {row.route}{' (selected first)' if row.selected and len(rows) > 1 else ''}",
+        ]
+    for rank, unmet in enumerate(found.alternatives[1:] if options.alternatives else (), 2):
+        lines.append(f"  alternative {rank}: {', '.join(unmet) or 'nothing unmet'}")
+    sys.stdout.write("\n".join(lines) + "\n")
     return FINDINGS if rows else CLEAN
 
 

@@ -1,14 +1,13 @@
-"""From a command's arguments to an opened task."""
+"""From the name of a task to an opened one, and from what a person calls a state to its number and its numbers."""
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from rich.console import Console
 
 from onto_compiler.knowledge import load_knowledge
@@ -17,40 +16,40 @@ from runtime.loop.records import GIVEN
 from runtime.worlds.episodes import EpisodeRunner
 from runtime.worlds.world import named_task
 
-__all__ = ["start_of", "task_runner"]
+__all__ = ["open_task", "start_of"]
 
 
 @contextmanager
-def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
-    """The runner for ``options.task`` under ``options.ontology`` and ``options.seed``; closed at the end."""
-    knowledge = load_knowledge(*options.ontology)
-    world, ref = named_task(options.task)
+def open_task(
+    task: str, ontology: Sequence[str | Path] = (), seed: int = 0, budget: int | None = None, judge: str = "native"
+) -> Iterator[EpisodeRunner]:
+    """The runner for ``task`` under the shipped ontology with ``ontology`` on top; closed at the end."""
+    knowledge = load_knowledge(*ontology)
+    world, ref = named_task(task)
     proposers = world.proposers(knowledge.schema)
-    budget = getattr(options, "budget", None)
     # A line that moves while MuJoCo compiles; it shows on a terminal only.
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
-        runner = EpisodeRunner.open(world, ref, knowledge, proposers, options.seed, budget)
+        runner = EpisodeRunner.open(world, ref, knowledge, proposers, seed, budget, judge)
     try:
         yield runner
     finally:
         runner.close()
 
 
-def start_of(options: argparse.Namespace) -> tuple[int, NDArray[np.float64] | None]:
-    """Number of the official initial state to start from, and None; or :data:`GIVEN` and the state of a file.
+def start_of(state: int | str | Path | ArrayLike) -> tuple[int, NDArray[np.float64] | None]:
+    """The number of an official initial state, and None; or :data:`GIVEN` and a flat state, of a file or as it is.
 
     Raises:
-        OntoError: ``CLI005``, where the file does not hold one plain array of numbers.
+        OntoError: ``CLI005``, where there is no plain array of numbers.
     """
-    path: Path | None = options.state_file
-    return (options.state, None) if path is None else (GIVEN, _read(path))
-
-
-def _read(path: Path) -> NDArray[np.float64]:
+    if isinstance(state, (int, np.integer)):
+        return int(state), None
+    name = f"`{state}`" if isinstance(state, (str, Path)) else "what was given"
     try:
-        state = np.load(path, allow_pickle=False)
-        return np.asarray(state, dtype=np.float64).ravel()
+        found = np.load(state, allow_pickle=False) if isinstance(state, (str, Path)) else state
+        return GIVEN, np.asarray(found, dtype=np.float64).ravel()
     except (OSError, EOFError, ValueError, TypeError, AttributeError) as error:
+        file = str(state) if isinstance(state, (str, Path)) else ""
         raise OntoError.of(
-            "CLI005", f"cannot read a state from `{path}`: {error}", "save it with numpy.save", str(path)
+            "CLI005", f"cannot read a state from {name}: {error}", "save it with numpy.save", file
         ) from error

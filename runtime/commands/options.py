@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-__all__ = ["add_budget", "add_state", "add_task"]
+__all__ = ["add_budget", "add_state", "add_task", "chosen_state"]
 
 
 class _InSuite(argparse.Action):
@@ -40,6 +40,13 @@ def add_state(parser: argparse.ArgumentParser) -> None:
         "--state-file", type=Path, metavar="FILE.npy", help="start from your own flat state instead: time, qpos, qvel"
     )
     parser.add_argument("--seed", type=int, default=0, help="places the fixtures (default 0)")
+
+
+def chosen_state(options: argparse.Namespace) -> int | Path:
+    """The number of the initial state to start from, or the file that holds one."""
+    number: int = options.state
+    path: Path | None = options.state_file
+    return number if path is None else path
 
 
 def add_budget(parser: argparse.ArgumentParser) -> None:

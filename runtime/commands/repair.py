@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
-from runtime.commands.options import add_budget, add_state, add_task
+from runtime.commands.options import add_budget, add_state, add_task, chosen_state
 
 __all__ = ["REPAIR"]
 
@@ -17,6 +17,12 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     add_state(parser)
     add_budget(parser)
     parser.add_argument(
+        "--judge",
+        choices=("native", "grounding"),
+        default="native",
+        help="who accepts: LIBERO's own predicate (default), or the facts as they are grounded, which the record says",
+    )
+    parser.add_argument(
         "--out", type=Path, metavar="DIR", help="also record the episode in DIR/store and DIR/trace.trig"
     )
     add_ontology(parser)
@@ -24,14 +30,21 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415 - heavy imports wait for the run
+    from onto_compiler.knowledge import load_knowledge  # noqa: PLC0415 - heavy imports wait for the run
+    from runtime.commands.tasks import repair  # noqa: PLC0415
     from runtime.trace.narrate import narrate  # noqa: PLC0415
     from runtime.trace.store import TraceStore  # noqa: PLC0415
     from runtime.trace.summary import episode_summary  # noqa: PLC0415
 
-    with task_runner(options) as runner:
-        episode = runner.run(*start_of(options))
-        schema = runner.knowledge.schema
+    episode = repair(
+        options.task,
+        state=chosen_state(options),
+        ontology=options.ontology,
+        seed=options.seed,
+        budget=options.budget,
+        judge=options.judge,
+    )
+    schema = load_knowledge(*options.ontology).schema
     if options.out is not None:
         with TraceStore(options.out / "store", schema, "repair", ontology=options.ontology) as store:
             store.add(episode)

@@ -144,7 +144,7 @@ def _details(number: int, episode: Episode, schema: Schema) -> Html:
         for attempt in episode.attempts
     ]
     parts.append(element("ol", *turns, class_="chain") if turns else "")
-    parts.append(element("p", element("b", "Outcome: "), outcome_sentence(episode.outcome)))
+    parts.append(element("p", element("b", "Outcome: "), outcome_sentence(episode)))
     parts += [element("p", _end(episode, schema))]
     head = element("summary", episode_name(episode), _verdict(episode))
     return element("details", head, element("div", *parts), id=f"episode-{number}")

@@ -62,9 +62,12 @@ _ENDS = {
 }
 
 
-def outcome_sentence(outcome: str, *, planned: bool = False) -> str:
-    """What an outcome means; ``planned``: of an episode whose plans were executed."""
-    return (_PLANNED if planned else {}).get(outcome, _OUTCOMES[outcome])
+def outcome_sentence(episode: Episode) -> str:
+    """What the outcome of ``episode`` means, and who judged."""
+    sentence = (_PLANNED if episode.plans else {}).get(episode.outcome, _OUTCOMES[episode.outcome])
+    if episode.judge == "grounding" and episode.accepted:
+        sentence = sentence.replace("The native verifier", "Grounding") + " No native predicate was asked."
+    return sentence
 
 
 def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) -> Iterator[str]:
@@ -72,7 +75,8 @@ def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) ->
 
     With ``reasons``, each decision is followed by what led to it.
     """
-    yield f"{episode.task} ({episode.suite}, {state_name(episode.state_index, 'initial state')}, seed {episode.seed})"
+    suite = f"{episode.suite}, " if episode.suite else ""
+    yield f"{episode.task} ({suite}{state_name(episode.state_index, 'initial state')}, seed {episode.seed})"
     if episode.required.language:
         yield f"  Instruction: {episode.required.language}."
     if premise := premise_sentence(episode, schema):
@@ -87,7 +91,7 @@ def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) ->
         yield f"Attempt {event.index + 1}" + ("" if event.plan is None else f", to better plan {event.plan + 1}")
         yield from (f"  {sentence}" for sentence in chain(event, schema, reasons))
     yield "Outcome"
-    yield f"  {outcome_sentence(episode.outcome, planned=bool(episode.plans))}"
+    yield f"  {outcome_sentence(episode)}"
     if episode.verification is not None and not episode.attempts:
         yield f"  {_verified(episode.verification)}"
     yield from _state("At the end", episode.required.facts, episode.final, schema)
@@ -231,7 +235,8 @@ def _routed(decision: RouteDecision, schema: Schema, *, several: bool) -> str:
 
 def _verified(verification: Verification) -> str:
     verdict = "accepts" if verification.outcome else "rejects"
-    text = f"Verification: the native verifier {verdict} {verification.query}"
+    judge = {"grounding": "grounding", "native": "the native verifier"}[verification.judge]
+    text = f"Verification: {judge} {verdict} {verification.query}"
     if verification.settled is None:
         return f"{text}."
     settled = "still does" if verification.settled else "no longer does"

@@ -37,6 +37,7 @@ def episode_summary(episode: Episode, schema: Schema) -> dict[str, Any]:
         **({"plans": [_plan(plan, episode, schema) for plan in episode.plans]} if episode.plans else {}),
         "outcome": episode.outcome,
         "accepted": episode.accepted,
+        "judge": episode.judge,
         "settled": None if episode.verification is None else episode.verification.settled,
         "verification": _verification(episode.verification),
         "provenance": dict(episode.provenance),
@@ -68,8 +69,9 @@ def margin_after(episode: Episode, index: int) -> float:
 
 
 def verdict(episode: Episode) -> str:
-    """The outcome in one or two words."""
-    return _VERDICTS.get(episode.outcome, episode.outcome)
+    """The outcome in a few words; that no native predicate was asked is one of them."""
+    text = _VERDICTS.get(episode.outcome, episode.outcome)
+    return f"{text} by grounding" if episode.accepted and episode.judge == "grounding" else text
 
 
 def _diagnosis(diagnosis: Diagnosis, episode: Episode, schema: Schema) -> dict[str, Any]:

@@ -17,8 +17,9 @@ from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import Schema
 from runtime.loop.correction import Environment
+from runtime.loop.diagnosis import unmet
 from runtime.loop.faults import RunFault
-from runtime.loop.records import Application, Proposal, Verification
+from runtime.loop.records import GROUNDED, Application, Proposal, Verification
 
 __all__ = ["SETTLE_STEPS", "NativeState", "StateEnvironment", "TaskEnvironment"]
 
@@ -29,6 +30,8 @@ class TaskEnvironment(Environment, Protocol):
     """What a world opens: the loop's environment, and what an episode needs beside it."""
 
     seed: int
+    judge: str
+    """Who verifies: "native", the simulator itself, or "grounding", the required facts as they are grounded."""
 
     @property
     def model(self) -> mujoco.MjModel:
@@ -102,7 +105,9 @@ class NativeState(Protocol):
 
 
 class StateEnvironment(ABC):
-    """Grounds a native state, writes proposals to its ``qpos``, and asks its judge; a world adds its own judge."""
+    """Grounds a native state, writes proposals to its ``qpos``, and asks its judge; a world adds the native one."""
+
+    judge: str = "native"
 
     def __init__(self, native: NativeState, scene: Scene, required: RequiredABox, schema: Schema) -> None:
         """Resolve the required facts in ``scene``, the index of the native model.
@@ -111,14 +116,21 @@ class StateEnvironment(ABC):
             OntoError: ``SIM001`` ff., where a fact names what the scene lacks.
         """
         self._native = native
+        self._goal = required
         self._scene = scene
         self._grounder = SimGrounder(scene, required.facts, schema)
         self._premise = SimGrounder(scene, required.premise, schema)
         self._scratch = mujoco.MjData(native.model)
 
     @abstractmethod
-    def verify(self) -> Verification:
+    def verify_natively(self) -> Verification:
         """Ask the simulator's own judge; raises ``SIM018`` where it cannot judge the goal."""
+
+    def verify(self) -> Verification:
+        """Ask the judge; raises as :meth:`verify_natively` where that is the simulator."""
+        if self.judge == "grounding":
+            return Verification(GROUNDED, not unmet(self._goal, self.observe()))
+        return self.verify_natively()
 
     @property
     def model(self) -> mujoco.MjModel:

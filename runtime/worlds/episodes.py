@@ -43,13 +43,17 @@ class EpisodeRunner:
         proposers: Mapping[str, Proposer] | None = None,
         seed: int = 0,
         budget: int | None = None,
+        judge: str = "native",
     ) -> EpisodeRunner:
         """Build the scene of ``ref``; without ``proposers`` the world's own, without ``budget`` :data:`BUDGET`.
+
+        ``judge`` is "native" or "grounding", as of :class:`TaskEnvironment`.
 
         Raises ``SIM`` and ``BDDL`` problems.
         """
         required = required_of(ref, knowledge)
         environment = world.open(ref, required, knowledge.schema, seed)
+        environment.judge = judge
         offered = world.proposers(knowledge.schema) if proposers is None else proposers
         loop = CorrectionLoop(knowledge, offered, BUDGET if budget is None else budget)
         return cls(world, ref, required, environment, knowledge, loop)

@@ -30,7 +30,7 @@ class RobosuiteEnvironment(StateEnvironment):
         super().__init__(self.task, Scene(self.task.model, self.task.naming), required, schema)
         self.seed = seed
 
-    def verify(self) -> Verification:
+    def verify_natively(self) -> Verification:
         """Ask robosuite."""
         return Verification("_check_success()", self.task.success())
 

@@ -19,6 +19,7 @@ from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
 from onto_compiler.wording import counted
 from runtime.commands.opening import start_of
+from runtime.commands.options import chosen_state
 from runtime.loop.records import GIVEN
 from runtime.report.filmstrip import moments, write_film
 from runtime.trace.narrate import narrate
@@ -49,7 +50,7 @@ def play(options: argparse.Namespace) -> int:
         store = stack.enter_context(_store(options, knowledge.schema)) if options.out is not None else None
         stage = stack.enter_context(_stage(options, knowledge))
         horizon = horizon_of(stage.ref.suite) if options.horizon is None else options.horizon
-        start, state = start_of(options)
+        start, state = start_of(chosen_state(options))
         with Console(stderr=True).status("playing"):
             performance = stage.perform(start, horizon, state=state, look_ahead=options.look_ahead)
         if store is not None:

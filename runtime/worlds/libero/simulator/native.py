@@ -168,7 +168,7 @@ class NativeTask:
             raise OntoError.of(
                 "SIM018",
                 f"LIBERO has no predicate {names}, so that nothing native can judge this goal",
-                f"`onto diagnose` needs no judge; LIBERO judges {', '.join(predicate_names())}",
+                "let grounding judge it (`onto repair --judge grounding`), or lift one of LIBERO's predicates",
                 str(self.bddl),
             )
         return bool(self._control.check_success())

@@ -15,6 +15,7 @@ GROUP = "onto_evwm.commands"
 # The top-level module whose absence an extra of the distribution repairs.
 _EXTRAS = {
     "PIL": "report",
+    "owlready2": "hermit",
     "bddl": "sim",
     "h5py": "demos",
     "libero": "sim",
@@ -22,7 +23,6 @@ _EXTRAS = {
     "lsprotocol": "lsp",
     "numba": "sim",
     "pygls": "lsp",
-    "ray": "cluster",
     "robosuite": "sim",
     "safetensors": "learn",
     "torch": "learn",

@@ -1,7 +1,7 @@
 """LIBERO tasks as Gymnasium environments: importing this package registers ``onto/Libero-v0``.
 
-Gymnasium 1.x loads no plugins by itself. ``gymnasium.make("runtime.worlds.libero.gym:onto/Libero-v0",
-task="libero_goal/8")`` imports this package first; after ``import runtime.worlds.libero.gym`` the id alone will do.
+Gymnasium 1.x loads no plugins by itself. ``gymnasium.make("onto_evwm:onto/Libero-v0", task="libero_goal/8")`` imports
+``onto_evwm`` first, which has this package imported; from then on the id alone will do.
 """
 
 from __future__ import annotations

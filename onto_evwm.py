@@ -85,4 +85,4 @@ def _hidden() -> str:
 
 _HIDDEN = _hidden()
 if not _HIDDEN:
-    import_module("runtime.worlds.environments").register()
+    import_module("runtime.worlds.environments").register_worlds()

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from onto_compiler.problems import OntoError, near
 
-__all__ = ["GROUP", "Protocol", "Row", "Trial", "alone", "load_protocols", "protocol_named", "untimed"]
+__all__ = [
+    "GROUP",
+    "Protocol",
+    "Row",
+    "Trial",
+    "alone",
+    "load_protocols",
+    "protocol_named",
+    "registered_protocols",
+    "untimed",
+]
 
 GROUP = "onto_evwm.protocols"
 Row = dict[str, Any]
@@ -61,10 +71,14 @@ def untimed(protocol: Protocol, rows: Sequence[Row]) -> list[Row]:
     return [{name: value for name, value in row.items() if name not in left_out} for row in rows]
 
 
+def registered_protocols() -> dict[str, EntryPoint]:
+    """The entry point of every protocol by name, none of them imported yet; in alphabetical order."""
+    return {point.name: point for point in sorted(entry_points(group=GROUP), key=lambda point: point.name)}
+
+
 def load_protocols() -> dict[str, Protocol]:
     """Every registered protocol by name, in the order of their names."""
-    found = (entry.load() for entry in entry_points(group=GROUP))
-    return {protocol.name: protocol for protocol in sorted(found, key=lambda p: p.name)}
+    return {name: point.load() for name, point in registered_protocols().items()}
 
 
 def protocol_named(name: str) -> Protocol:
@@ -73,11 +87,12 @@ def protocol_named(name: str) -> Protocol:
     Raises:
         OntoError: BEN001, where none is called so.
     """
-    known = load_protocols()
+    known = registered_protocols()
     if name not in known:
         raise OntoError.of(
             "BEN001",
             f"`{name}` is no protocol",
             near(name, known) or f"one of: {', '.join(known) or 'none is installed'}",
         )
-    return known[name]
+    protocol: Protocol = known[name].load()
+    return protocol

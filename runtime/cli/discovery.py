@@ -17,6 +17,7 @@ _EXTRAS = {
     "PIL": "report",
     "owlready2": "hermit",
     "bddl": "sim",
+    "gymnasium": "sim",
     "h5py": "demos",
     "libero": "sim",
     "mujoco": "sim",

@@ -25,7 +25,7 @@ __all__ = ["DiagnosedFact", "DiagnosedTask", "GroundedFact", "GroundedTask", "di
 class GroundedFact:
     """A required fact with its evidence.
 
-    ``fact`` is the fact in words, ``native`` the atom of the task file. ``status`` is "satisfied", "absent", "explicitly
+    ``fact`` is the fact in words, ``native`` the atom of the task file, ``status`` "satisfied", "absent", "explicitly
     false" or "margin violated". ``margin`` is in ``unit``, positive where satisfied and NaN where none is defined;
     ``limit`` is the term that decides it.
     """

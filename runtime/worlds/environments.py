@@ -1,4 +1,4 @@
-"""The Gymnasium ids of all worlds, registered once Gymnasium is imported and not before.
+"""The worlds' Gymnasium ids: registered once Gymnasium is imported, which this module never does itself.
 
 ``gymnasium.make("onto_evwm:ID")`` imports ``onto_evwm`` to have ``ID`` registered; where that module had been imported
 before Gymnasium was, importing it again does nothing. So registering waits for Gymnasium.
@@ -12,26 +12,42 @@ from importlib import import_module
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
-__all__ = ["register"]
+__all__ = ["register", "register_worlds"]
 
-_PACKAGES = ("runtime.worlds.libero.gym", "runtime.worlds.pointmaze")  # each registers its id when it is imported
+_WORLDS = ("runtime.worlds.libero.gym", "runtime.worlds.pointmaze.gym")
+_entry_points: dict[str, str] = {}  # of ids that wait for Gymnasium
 
 
-def register() -> None:
-    """Register the ids of all worlds: now, or as soon as Gymnasium is imported."""
+def register(name: str, entry_point: str) -> None:
+    """Have ``gymnasium.make(name)`` make an instance of the class at ``entry_point``: now, or from its import on."""
+    _entry_points[name] = entry_point
     if "gymnasium" in sys.modules:
-        for package in _PACKAGES:
-            import_module(package)
-    elif not any(isinstance(finder, _Waiting) for finder in sys.meta_path):
-        sys.meta_path.insert(0, _Waiting())
+        _register_waiting()
+    elif not any(isinstance(finder, _AfterGymnasium) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _AfterGymnasium())
 
 
-class _Waiting:
-    """Finds nothing itself: it has Gymnasium found by the others, and registers when Gymnasium has been loaded."""
+def register_worlds() -> None:
+    """Register what every world of this project registers."""
+    for package in _WORLDS:
+        import_module(package)
+
+
+def _register_waiting() -> None:
+    gymnasium = sys.modules["gymnasium"]
+    while _entry_points:
+        name, entry_point = _entry_points.popitem()
+        # The environments truncate themselves and need no wrapper: a horizon differs by task.
+        gymnasium.register(name, entry_point=entry_point)
+
+
+class _AfterGymnasium:
+    """Finds no module itself: it has Gymnasium found by the others, and registers when that has been loaded."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
+        """The spec of Gymnasium, whose loading ends with registering; None for every other module."""
         if fullname != "gymnasium":
             return None
         sys.meta_path.remove(self)
@@ -42,7 +58,7 @@ class _Waiting:
 
             def execute_and_register(module: ModuleType) -> None:
                 execute(module)
-                register()
+                _register_waiting()
 
             spec.loader.exec_module = execute_and_register  # type: ignore[method-assign]
         return spec

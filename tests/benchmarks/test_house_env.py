@@ -46,7 +46,7 @@ def test_no_package_of_an_extra_is_installed(core):
         "compile serve_the_cheese.bddl --ontology served.ttl",
         "compile serve_the_cheese.bddl --ontology served.ttl --jobs 2",
         "fmt --check served.ttl",
-        "schema --list",
+        "schema --emit jsonld",
         "bench list",
         "trace query --list",
         "trace list task76.trig",

@@ -86,3 +86,6 @@ def _hidden() -> str:
 _HIDDEN = _hidden()
 if not _HIDDEN:
     import_module("runtime.worlds.environments").register_worlds()
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,13 +1,15 @@
-"""How a fact, a margin and its unit are written for a person."""
+"""How a fact, a margin and its unit are written for a person, and how lines are wrapped."""
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Iterable, Iterator
 from math import isnan
 
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema, local_name
 
-__all__ = ["amount", "atom", "short_name", "unit_of"]
+__all__ = ["amount", "atom", "short_name", "unit_of", "wrapped"]
 
 
 def short_name(iri: str, schema: Schema) -> str:
@@ -38,3 +40,12 @@ def amount(margin: float, unit: str) -> str:
     if unit == "m":
         return f"{margin * 1000:+.3g} mm" if abs(margin) < 1 else f"{margin:+.3g} m"
     return f"{margin:+.3g} {unit}".rstrip()
+
+
+def wrapped(lines: Iterable[str], width: int = 80) -> Iterator[str]:
+    """``lines`` for a terminal of ``width`` columns; what continues a line is indented by two more than it."""
+    for line in lines:
+        indent = " " * (len(line) - len(line.lstrip()) + 2)
+        yield from textwrap.wrap(
+            line, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+        ) or [""]

@@ -35,6 +35,7 @@ def _run(options: argparse.Namespace) -> int:
     from runtime.trace.narrate import narrate  # noqa: PLC0415
     from runtime.trace.store import TraceStore  # noqa: PLC0415
     from runtime.trace.summary import episode_summary  # noqa: PLC0415
+    from runtime.wording import wrapped  # noqa: PLC0415
 
     episode = repair(
         options.task,
@@ -52,7 +53,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.format == "json":
         print_json(episode_summary(episode, schema))
     else:
-        sys.stdout.write("\n".join(narrate(episode, schema)) + "\n")
+        sys.stdout.write("\n".join(wrapped(narrate(episode, schema))) + "\n")
     return CLEAN if episode.accepted else FINDINGS
 
 

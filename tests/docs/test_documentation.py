@@ -50,8 +50,9 @@ def test_the_readme_shows_what_its_commands_print(monkeypatch, capsys):
     (session,) = (b for b in blocks(ROOT / "README.md", "console") if "onto diagnose" in b)
     commands = [line.removeprefix("$ ") for line in session.splitlines() if line.startswith("$ ")]
     expected = "\n".join(line for line in session.splitlines() if not line.startswith("$ "))
-    assert [main(shlex.split(command)[1:]) for command in commands] == [CLEAN, FINDINGS]
+    assert [main(shlex.split(command)[1:]) for command in commands] == [CLEAN, FINDINGS, CLEAN]
     assert capsys.readouterr().out.strip() == expected.strip()
+    assert max(map(len, expected.splitlines())) <= 80
 
 
 def test_every_command_that_the_documentation_names_exists(capsys):

@@ -1,5 +1,7 @@
 """Objects in one line: how far two of them are out of it, and a state in which they are not."""
 
+from collections.abc import Callable
+
 import mujoco
 import numpy as np
 
@@ -14,7 +16,7 @@ TOLERANCE = 0.01  # metres between the two lines
 STEPS = (0.0, 0.005, -0.005)  # metres off the line; what is tried after a rejection
 
 
-def in_line(scene: Scene, fact: Fact, schema: Schema):
+def in_line(scene: Scene, fact: Fact, schema: Schema) -> Callable[[mujoco.MjData], Evidence]:
     """Ground ``AlignedWith(thing, other)``: the y of both origins differs by no more than the tolerance."""
     thing, other = (scene.root_body(name) for name in fact.native.arguments)
 

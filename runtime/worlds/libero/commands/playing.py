@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import textwrap
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -25,6 +24,7 @@ from runtime.report.filmstrip import moments, write_film
 from runtime.trace.narrate import narrate
 from runtime.trace.store import TraceStore
 from runtime.trace.summary import episode_summary
+from runtime.wording import wrapped
 from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.simulator.assets import named_task
 from runtime.worlds.libero.simulator.compiled import compile_scene
@@ -38,8 +38,6 @@ from runtime.worlds.pictures import Camera
 from runtime.worlds.required import required_of
 
 __all__ = ["play"]
-
-_WIDTH = 80
 
 
 def play(options: argparse.Namespace) -> int:
@@ -118,11 +116,7 @@ def _film(path: Path, stage: EpisodePlayer, performance: EpisodeRecord) -> None:
 def _story(performance: EpisodeRecord, schema: Schema) -> Iterator[str]:
     """The episode in sentences, in lines of 80 columns where names allow."""
     episode = performance.episode
-    for line in narrate(episode, schema):
-        indent = " " * (len(line) - len(line.lstrip()) + 2)
-        yield from textwrap.wrap(
-            line, _WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
-        ) or [""]
+    yield from wrapped(narrate(episode, schema))
     settings = dict(episode.provenance)
     attempts = len(episode.attempts)
     yield (

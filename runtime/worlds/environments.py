@@ -1,48 +1,53 @@
 """The worlds' Gymnasium ids: registered once Gymnasium is imported, which this module never does itself.
 
 ``gymnasium.make("onto_evwm:ID")`` imports ``onto_evwm`` to have ``ID`` registered; where that module had been imported
-before Gymnasium was, importing it again does nothing. So registering waits for Gymnasium.
+before Gymnasium was, importing it again does nothing. So registering waits for Gymnasium. A module that registers ids
+when it is imported is an entry point of the group ``onto_evwm.environments``.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
-from importlib import import_module
+from collections.abc import Callable, Sequence
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
-__all__ = ["register", "register_worlds"]
+__all__ = ["GROUP", "register", "register_worlds"]
 
-_WORLDS = ("runtime.worlds.libero.gym", "runtime.worlds.pointmaze.gym")
-_entry_points: dict[str, str] = {}  # of ids that wait for Gymnasium
+GROUP = "onto_evwm.environments"
+
+_waiting: list[Callable[[], None]] = []
 
 
 def register(name: str, entry_point: str) -> None:
     """Have ``gymnasium.make(name)`` make an instance of the class at ``entry_point``: now, or from its import on."""
-    _entry_points[name] = entry_point
-    if "gymnasium" in sys.modules:
-        _register_waiting()
-    elif not any(isinstance(finder, _AfterGymnasium) for finder in sys.meta_path):
-        sys.meta_path.insert(0, _AfterGymnasium())
+    # The environments truncate themselves and need no wrapper: a horizon differs by task.
+    _once_imported(lambda: sys.modules["gymnasium"].register(name, entry_point=entry_point))
 
 
 def register_worlds() -> None:
-    """Register what every world of this project registers."""
-    for package in _WORLDS:
-        import_module(package)
+    """Register what every installed world registers: now, or as soon as Gymnasium is imported."""
+    _once_imported(_load_worlds)
 
 
-def _register_waiting() -> None:
-    gymnasium = sys.modules["gymnasium"]
-    while _entry_points:
-        name, entry_point = _entry_points.popitem()
-        # The environments truncate themselves and need no wrapper: a horizon differs by task.
-        gymnasium.register(name, entry_point=entry_point)
+def _load_worlds() -> None:
+    from importlib.metadata import entry_points  # noqa: PLC0415 - costs more than the rest of `import onto_evwm`
+
+    for point in entry_points(group=GROUP):
+        point.load()
+
+
+def _once_imported(action: Callable[[], None]) -> None:
+    if "gymnasium" in sys.modules:
+        action()
+        return
+    _waiting.append(action)
+    if not any(isinstance(finder, _AfterGymnasium) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _AfterGymnasium())
 
 
 class _AfterGymnasium:
-    """Finds no module itself: it has Gymnasium found by the others, and registers when that has been loaded."""
+    """Finds no module itself: it has Gymnasium found by the others, and does what waits when that has been loaded."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -58,7 +63,8 @@ class _AfterGymnasium:
 
             def execute_and_register(module: ModuleType) -> None:
                 execute(module)
-                _register_waiting()
+                while _waiting:
+                    _waiting.pop(0)()
 
             spec.loader.exec_module = execute_and_register  # type: ignore[method-assign]
         return spec

@@ -88,6 +88,15 @@ def test_what_an_extra_is_needed_for_names_it(onto, command, extra):
     assert "Traceback" not in done.stderr
 
 
+def test_every_data_file_of_the_packages_is_in_the_wheel(core):
+    (installed,) = core.parent.parent.glob("lib/python*/site-packages")
+    packages = ("ontology", "onto_compiler", "grounding", "runtime")
+    files = [path for name in packages for path in (ROOT / name).rglob("*") if path.is_file()]
+    data = [path.relative_to(ROOT) for path in files if "__pycache__" not in path.parts]
+    assert {path.suffix for path in data} >= {".py", ".ttl", ".rq", ".lark", ".css", ".bddl", ".safetensors"}
+    assert [str(path) for path in data if not (installed / path).is_file()] == []
+
+
 def test_the_door_opens_without_extras(core, tmp_path):
     program = "import onto_evwm as o; print(o.check().problems, o.open_trace, o.compile_task)"
     done = subprocess.run([core, "-c", program], capture_output=True, text=True, check=True, cwd=tmp_path)

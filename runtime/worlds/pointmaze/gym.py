@@ -1,4 +1,4 @@
-"""PointMaze as a Gymnasium environment: importing this module, as ``onto_evwm`` does, registers ``onto/PointMaze-v0``."""
+"""PointMaze as a Gymnasium environment: importing this module, as ``onto_evwm`` does, registers its id."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ class Validation:
             else:
                 for found in check.find(self, focus, values):
                     hit = found if isinstance(found, Hit) else Hit(found)
-                    yield _result(shape, hit.focus or focus, check, hit, self.data)
+                    yield _result(shape, hit.focus or focus, check, hit)
 
     def _within(self, shape: Shape, focus: Term) -> Iterator[ShapeResult]:
         """:meth:`results` of a shape that another one refers to."""
@@ -103,12 +103,10 @@ class Validation:
             yield {name: cast("Term", solution[name]) for name in names if solution[name] is not None}
 
 
-def _result(shape: Shape, focus: Term, check: Check, hit: Hit, data: Graph | None = None) -> ShapeResult:
+def _result(shape: Shape, focus: Term, check: Check, hit: Hit) -> ShapeResult:
     assert not isinstance(check, Nested)  # noqa: S101 - a nested shape has results of its own
     own = check if isinstance(check, Custom) else None
     value = hit.value
-    if data is not None and value is not None:
-        value = data.written(value)
     message = hit.message or (own.message if own else "") or shape.message
     given = {"this": focus} | ({"value": value} if value is not None else {})
     return ShapeResult(

@@ -25,10 +25,9 @@ from onto_compiler.rdf import BASE
 from onto_compiler.required import RequiredABox
 from onto_compiler.required_rdf import entity_iri, required_quads
 from onto_compiler.schema import Schema
+from onto_compiler.shacl.graph import Term
 from onto_compiler.sources import collect, load_store
-from onto_compiler.validator.facts import Term
-from onto_compiler.validator.records import problem_of, record_validator
-from onto_compiler.validator.validator import Validator
+from onto_compiler.validator.records import Validator, problem_of, record_validator
 
 __all__ = ["Batch", "FileResult", "available_jobs", "compile_files", "task_files"]
 

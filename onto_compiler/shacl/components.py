@@ -44,7 +44,7 @@ def _class(own: Parameter) -> Iterator[Check]:
     wanted = own.iri()
 
     def test(run: Run, value: Term) -> bool:
-        return value in run.data.instances(wanted)
+        return run.data.is_a(value, wanted)
 
     yield PerValue(_component(own), test, f"must be an instance of {shown(wanted)}")
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, cast
 
-from pyoxigraph import Literal, NamedNode, QueryBoolean, QueryTriples, Store
+from pyoxigraph import Literal, NamedNode, QueryBoolean, QueryTriples
 
 from onto_compiler.rdf import SH, boolean
-from onto_compiler.shacl.graph import Term
+from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.prebinding import Query, read_query
 from onto_compiler.shacl.reader import Reader
@@ -19,11 +19,11 @@ Function = Callable[..., Any]
 
 
 class Functions(dict[NamedNode, Function]):
-    """The functions by IRI. They ask ``store``, which the validation sets before it begins."""
+    """The functions by IRI. They ask ``data``, which the validation sets before it begins."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.store = Store()
+        self.data = Graph()
 
 
 def declared_functions(reader: Reader, faults: list[ShapeFault] | None = None) -> Functions:
@@ -67,7 +67,7 @@ def _function(name: NamedNode, known: Functions, query: Query, names: Sequence[s
         text, extra = query.bind(dict(zip(names, arguments, strict=False)))
         everything: Mapping[NamedNode, Function] = {**known, **extra}
         try:
-            answer = known.store.query(text, use_default_graph_as_union=True, custom_functions=dict(everything))
+            answer = known.data.store.query(text, use_default_graph_as_union=True, custom_functions=dict(everything))
         except SyntaxError as error:
             said = " ".join(str(error).partition(", [")[0].split())
             raise ShapeFault(f"the function {name} cannot run: {said}", name) from error

@@ -67,7 +67,8 @@ def _selecting(
     def find(run: Run, focus: Term, _: Sequence[Term]) -> Iterator[Hit]:
         bound = {**fixed, "this": focus}
         for row in _solve(run, query, bound, shape, component):
-            value = row.get("value") or (None if on_path else focus)
+            found = row.get("value")
+            value = run.data.written(found) if found is not None else None if on_path else focus
             path = row.get("path")
             own = row.get("message")
             text = fill(own.value if own is not None else message, {**bound, **row})

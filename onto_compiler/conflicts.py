@@ -24,8 +24,9 @@ def exclude(one: Fact, other: Fact, schema: Schema) -> bool:
 
 
 def entails(one: Fact, other: Fact, schema: Schema) -> bool:
-    """Whether bringing about ``one`` satisfies ``other``: they say the same, or it moves an object from where ``other``
-    forbids it to be.
+    """Whether bringing about ``one`` satisfies ``other``.
+
+    They say the same, or ``one`` moves an object elsewhere than where ``other`` forbids it to be.
     """
     if one.predicate == other.predicate and one.arguments == other.arguments:
         return one.polarity == other.polarity

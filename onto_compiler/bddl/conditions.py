@@ -22,9 +22,9 @@ __all__ = ["with_preconditions"]
 def with_preconditions(required: RequiredABox, spec: TaskSpec, schema: Schema) -> RequiredABox:
     """``required`` with the preconditions of its facts, which ``spec`` asks for and ``schema`` declares.
 
-    A precondition that the initial state denies has preconditions of its own, which stand before it: of a stack, what is
-    on top is taken off first. An atom that does not lift in this task (a joint without a threshold, another domain's
-    predicate) is no condition.
+    A precondition that the initial state denies has preconditions of its own, which stand before it: of a stack, what
+    is on top is taken off first. An atom that does not lift in this task (a joint without a threshold, another
+    domain's predicate) is no condition.
     """
     writer = _Writer(required, schema, scope_of(spec, schema), spec.domain)
     found: dict[tuple[Fact, str], list[int]] = {}

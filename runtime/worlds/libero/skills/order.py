@@ -148,7 +148,9 @@ class _Play:
         place = min(before, key=lambda each: (self._priority(self._fact((True, each)), self.conditions[each]), each))
         above |= {index}
         for other in free:
-            if other not in above and entails(self.required.facts[other], self._fact((True, place)), self.knowledge.schema):
+            if other not in above and entails(
+                self.required.facts[other], self._fact((True, place)), self.knowledge.schema
+            ):
                 return self._first(other, free, above)
         return True, place
 
@@ -156,7 +158,9 @@ class _Play:
         """Whether an unmet fact, once it is brought about, satisfies this one or undoes it."""
         others = (self.required.facts[index] for index in unmet)
         return any(
-            entails(each, fact, self.knowledge.schema) or self._undoes(each, fact) for each in others if each is not fact
+            entails(each, fact, self.knowledge.schema) or self._undoes(each, fact)
+            for each in others
+            if each is not fact
         )
 
     def _undoes(self, one: Fact, other: Fact) -> bool:

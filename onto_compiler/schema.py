@@ -39,6 +39,7 @@ class PredicateSignature:
     grounded_by: str | None  # the registered name of the function that grounds it, unless its binding names another
     definition: str = ""
     tolerance: float | None = None  # what its margin is counted from, in the margin's unit; None where it has none
+    moves: int | None = None  # the argument (from 0) that is moved to bring a fact about; None where none is
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +90,7 @@ class PreconditionRule:
     native: str
     must_hold: bool = True
     others: str | None = None
+    extends: frozenset[str] = frozenset()  # predicates, or kinds, that need it too of what such a fact places
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,7 +28,10 @@ class Stage:
 
     def holds(self, index=0):
         """Whether fact ``index`` would be true with its object at a pose."""
-        return self.player._holds(self.world, index)
+        from runtime.worlds.libero.skills.order import GoalStep
+
+        step = GoalStep(self.player.required.facts[index], index, precondition=False)
+        return self.player._holds(self.world, step)
 
 
 @cache

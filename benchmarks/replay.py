@@ -20,7 +20,7 @@ from benchmarks.engine import run_trial
 from benchmarks.protocol import Protocol, Row, Trial, load_protocols, protocol_named, untimed
 from benchmarks.results import RESULTS, read_result
 
-__all__ = ["REPLAY", "compared", "sampled"]
+__all__ = ["REPLAY", "compared", "sampled", "trials_of"]
 
 SEED = 0
 CHEAP = 5.0  # seconds, as published, of a trial of the small sample
@@ -33,14 +33,18 @@ _COSTLY: Mapping[str, tuple[str, ...]] = {"audit_versions": ("other",), "world_m
 
 def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signature
     """A sample of each published result's trials; small: one that is cheap, of each protocol that has one."""
-    found: list[Trial] = []
-    for protocol in load_protocols().values():
-        if protocol is not REPLAY and (RESULTS / protocol.file).exists():
-            found += [
-                {"key": f"{protocol.name} {trial['key']}", "protocol": protocol.name, "trial": dict(trial)}
-                for trial in sampled(protocol, _published(protocol.name), full=full)
-            ]
-    return found
+    others = [protocol for protocol in load_protocols().values() if protocol.name != REPLAY.name]
+    return [trial for protocol in others for trial in trials_of(protocol, full=full)]
+
+
+def trials_of(protocol: Protocol, *, full: bool) -> list[Trial]:
+    """The trials of ``protocol`` that are replayed: none where it has no published result."""
+    if not (RESULTS / protocol.file).exists():
+        return []
+    return [
+        {"key": f"{protocol.name} {trial['key']}", "protocol": protocol.name, "trial": dict(trial)}
+        for trial in sampled(protocol, _published(protocol.name), full=full)
+    ]
 
 
 def sampled(protocol: Protocol, published: Mapping[str, Sequence[Row]], *, full: bool) -> list[Trial]:
@@ -59,7 +63,7 @@ def sampled(protocol: Protocol, published: Mapping[str, Sequence[Row]], *, full:
         return [known[key] for key in cheap[:1]]
     chosen: list[str] = []
     for key in order:
-        if len(chosen) < MOST and key not in costly and sum(map(seconds.get, [*chosen, key])) <= BUDGET:  # type: ignore[arg-type]
+        if len(chosen) < MOST and key not in costly and sum(seconds[each] for each in (*chosen, key)) <= BUDGET:
             chosen.append(key)
     cheapest = sorted(seconds, key=lambda key: (key in costly, seconds[key]))
     return [known[key] for key in chosen or cheapest[:1]]

@@ -95,7 +95,7 @@ def _diagnose(options: argparse.Namespace) -> int:
     with task_runner(options) as runner:
         start, state = start_of(options)
         runner.start(start, state)
-        knowledge, required = runner.knowledge, runner.required
+        knowledge, required, level = runner.knowledge, runner.required, runner.world.level
         observation = runner.environment.observe()
         ways = by_distance(required, observation)
         ranked = [
@@ -116,7 +116,7 @@ def _diagnose(options: argparse.Namespace) -> int:
             "unit": unit_of(d.fact, schema),
             "limit": d.limit,
             "failure": short_name(d.failure, schema),
-            "route": short_name(route(d, knowledge).route, schema),
+            "route": short_name(route(d, knowledge, level=level).route, schema),
             "rule": schema.labels.get(d.rule, d.rule),
             "selected": d.index == first,
         }

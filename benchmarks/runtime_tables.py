@@ -148,9 +148,12 @@ def robosuite_table(result: Result) -> str:
     for row in (row for row in result["rows"] if row["kind"] == "states"):
         shares = (f"{m[row['task'] + '.' + share]:.2f}" for share in ("repaired_share", "settled_share"))
         rows.append((f"`{SUITE}/{row['task']}`", *(str(row.get(count, 0)) for count in counts), *shares))
+    alone = {fact: count for row in result["rows"] for fact, count in row.get("decided_alone", {}).items()}
+    decided = ", ".join(f"`{fact}` in {count}" for fact, count in alone.items())
     left = Counter((r["task"], f["failure"], f["route"]) for r in result["rows"] for f in r.get("failures", ()))
     unmet = "; ".join(f"`{task}` {count} times `{kind}`, route `{way}`" for (task, kind, way), count in left.items())
     note = (
+        f"One fact alone was unmet, and decided: {decided}. "
         f"{m['repaired_share']:.0%} of {m['repairs']} initial states were repaired (mode `state`, sees "
         f"`privileged-state`). Left unmet: {unmet or 'nothing'}. {m['crashed']} crashed. Files outside the world's "
         f"folder and its bindings that name its tasks: {m['files_for_a_world']}."

@@ -1,4 +1,4 @@
-"""PointMaze as a world: its trials are initial states, its judge is the published success, its failures are of plans."""
+"""PointMaze as a world: trials are initial states, the published success judges, and plans are corrected."""
 
 import json
 

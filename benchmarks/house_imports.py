@@ -81,7 +81,7 @@ def naming_tasks_of(world: str) -> list[str]:
     suites, names = (
         "|".join(sorted({re.escape(each) for each in kind})) for kind in zip(*map(_names, refs), strict=True)
     )
-    named = re.compile(rf"""["']({names})["']|\b({suites})/({names}|\d+)\b|\bproblem ({names})\b""")
+    named = re.compile(rf"""["']({names})["']|(?<![\w/])({suites})/({names}|\d+)(?![\w.])|\bproblem ({names})\b""")
     own = (f"{WORLDS.replace('.', '/')}/{world}/", "ontology/bindings/")
     texts = sorted(path for layer in LAYERS for path in (_ROOT / layer).rglob("*") if path.suffix in _TEXTS)
     places = {path.relative_to(_ROOT).as_posix(): path for path in texts}

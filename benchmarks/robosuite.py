@@ -124,7 +124,7 @@ def _states(runner: EpisodeRunner, counts: Counts) -> Row:
         environment.task.settle(5)
         prober.compare("settled")
     prober.thresholds(base, ends, counts.pairs)
-    return {"mode": "none", "sees": "privileged-state", **prober.row}
+    return {"mode": "none", "sees": "privileged-state", **prober.row, "decided_alone": prober.alone}
 
 
 @dataclass(slots=True)
@@ -135,12 +135,17 @@ class _Prober:
     required: RequiredABox
     rng: np.random.Generator
     row: dict[str, Any] = field(default_factory=dict)
+    alone: dict[str, int] = field(default_factory=dict)  # states in which a fact was the only one unmet
 
     def compare(self, kind: str) -> bool:
         """Count the present state as one of ``kind``, and whether the two agree; gives robosuite's verdict."""
         native = self.environment.verify().outcome
         observation = self.environment.observe()
-        truth = not unmet(self.required, observation)
+        left = unmet(self.required, observation)
+        truth = not left
+        if len(left) == 1:
+            fact = str(self.required.facts[left[0]])
+            self.alone[fact] = self.alone.get(fact, 0) + 1
         margins = surplus(self.required.facts, observation)
         margin = max(min((margins[i] for i in way), default=np.inf) for way in self.required.ways)
         wrong = (margin > 0.0 and not native) or (margin < 0.0 and native)
@@ -206,6 +211,8 @@ class _Prober:
                 qpos[address] = np.clip(qpos[address] + rng.normal() * 0.05 * (high - low), low, high)
         names = list(dict.fromkeys(name for fact in self.required.facts for name in fact.native.arguments))
         anchors = [*self._places(names), environment.data.site("gripper0_grip_site").xpos.copy()]
+        if rng.random() < 0.5:
+            anchors = [anchors[rng.integers(len(anchors))]]  # one place for all, so that they meet
         for name in names:
             free = scene.free_joint(name) if name in scene.entities else None
             if free is not None:

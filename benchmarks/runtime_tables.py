@@ -142,31 +142,20 @@ def simulator_table(result: Result) -> str:
 def robosuite_table(result: Result) -> str:
     """One line per task of the second world."""
     m = result["metrics"]
-    heads = (
-        "task",
-        "states",
-        "random",
-        "settled",
-        "threshold",
-        "true",
-        "differences",
-        "wrong signs",
-        "repaired",
-        "settled after",
-    )
+    counts = ("states", "random", "settled", "threshold", "true_states", "differences", "wrong_signs")
+    heads = ("task", *(count.replace("_", " ") for count in counts), "repaired", "settled after it")
     rows = []
     for row in (row for row in result["rows"] if row["kind"] == "states"):
-        name = row["task"]
-        counts = ("states", "random", "settled", "threshold", "true_states", "differences", "wrong_signs")
-        shares = (f"{m[f'{name}.{share}']:.2f}" for share in ("repaired_share", "settled_share"))
-        rows.append((f"`{SUITE}/{name}`", *(str(row.get(count, 0)) for count in counts), *shares))
+        shares = (f"{m[row['task'] + '.' + share]:.2f}" for share in ("repaired_share", "settled_share"))
+        rows.append((f"`{SUITE}/{row['task']}`", *(str(row.get(count, 0)) for count in counts), *shares))
+    alone = {fact: count for row in result["rows"] for fact, count in row.get("decided_alone", {}).items()}
+    decided = ", ".join(f"`{fact}` in {count}" for fact, count in alone.items())
     left = Counter((r["task"], f["failure"], f["route"]) for r in result["rows"] for f in r.get("failures", ()))
-    unmet = "; ".join(
-        f"`{task}` {count} times `{failure}`, route `{route}`" for (task, failure, route), count in left.items()
-    )
+    unmet = "; ".join(f"`{task}` {count} times `{kind}`, route `{way}`" for (task, kind, way), count in left.items())
     note = (
-        f"Of {m['repairs']} initial states {m['repaired_share']:.0%} were repaired (mode `state`, sees `privileged-state`); left "
-        f"unmet: {unmet or 'nothing'}. {m['crashed']} crashed. Files outside the world's folder and its bindings that name its "
-        f"tasks: {m['files_for_a_world']}."
+        f"One fact alone was unmet, and decided: {decided}. "
+        f"{m['repaired_share']:.0%} of {m['repairs']} initial states were repaired (mode `state`, sees "
+        f"`privileged-state`). Left unmet: {unmet or 'nothing'}. {m['crashed']} crashed. Files outside the world's "
+        f"folder and its bindings that name its tasks: {m['files_for_a_world']}."
     )
     return f"{table(heads, rows)}\n\n{note}"

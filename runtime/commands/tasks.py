@@ -130,7 +130,7 @@ def diagnose(
     with open_task(task, ontology, seed) as runner:
         start, given = start_of(state)
         runner.start(start, given)
-        knowledge, required = runner.knowledge, runner.required
+        knowledge, required, level = runner.knowledge, runner.required, runner.world.level
         observation = runner.environment.observe()
     ways = by_distance(required, observation)
     ranked = [diagnose_goal(required, observation, knowledge.tables, rank) for rank in range(len(ways))]
@@ -149,7 +149,7 @@ def diagnose(
             unit=unit_of(one.fact, schema),
             limit=one.limit,
             failure=short_name(one.failure, schema),
-            route=short_name(route(one, knowledge).route, schema),
+            route=short_name(route(one, knowledge, level=level).route, schema),
             rule=schema.labels.get(one.rule, one.rule),
             selected=one.index == first,
         )

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from onto_compiler.knowledge import Knowledge
+from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
 from runtime.loop.correction import CorrectionLoop
 from runtime.loop.diagnosis import satisfied
@@ -70,7 +71,14 @@ class EpisodeRunner:
         return self.correct(state_index, report)
 
     def correct(self, state_index: int, report: Callable[[Attempt], None] | None = None) -> Episode:
-        """Run the loop on the present state, which :meth:`start` left."""
+        """Run the loop on the present state, which :meth:`start` left.
+
+        Raises ``RUN004`` where the world's failures are corrected in plans.
+        """
+        if self.world.level != "state":
+            title, level = self.world.title, self.world.level
+            message = f"failures of {title} are corrected at the {level} level, and repair writes states"
+            raise OntoError.of("RUN004", message, "`onto diagnose` names the routes; `onto plan` follows them")
         seed = self.environment.seed
         premise = self.environment.observe_premise()
         unmet = ~satisfied(self.required.premise, premise)

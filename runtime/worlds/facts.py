@@ -27,7 +27,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class GoalReport:
-    """``success`` is LIBERO's own verdict; ``facts`` speak of the goal; ``failures`` diagnose what of it is unmet."""
+    """``success`` is whether the goal holds; ``facts`` speak of the goal; ``failures`` diagnose what of it is unmet."""
 
     success: bool
     facts: tuple[Row, ...]

@@ -11,7 +11,7 @@ from onto_compiler.problems import OntoError
 __all__ = ["FlatStates", "write_qpos"]
 
 UNIT = 0.01  # how far the length of a pose's quaternion may be from 1
-_HINT = "take the initial states of the same task and LIBERO version"
+_HINT = "take the initial states of the same task and version of its simulator"
 
 
 class FlatStates:

@@ -61,6 +61,8 @@ class World(Protocol):
     """As its entry point."""
     title: str
     """As sentences call it."""
+    level: str
+    """Where its failures are corrected: ``state``, or ``plan`` where something plans before it acts."""
     domains: Sequence[str]
     """The BDDL domains of its task files; :data:`ANY_DOMAIN` for those that no world names."""
 

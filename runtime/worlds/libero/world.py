@@ -22,6 +22,7 @@ class Libero:
 
     name = "libero"
     title = "LIBERO"
+    level = "state"
     domains: Sequence[str] = ("robosuite", ANY_DOMAIN)
 
     def suites(self) -> Sequence[str]:

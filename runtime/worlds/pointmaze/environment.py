@@ -22,11 +22,11 @@ from runtime.worlds.pointmaze.rollout import Rollout, checked_states
 from runtime.worlds.pointmaze.trials import trial_in
 from runtime.worlds.pointmaze.verdict import judge
 
-__all__ = ["PointMazeEnv"]
+__all__ = ["HORIZON", "PointMazeEnv"]
 
 Observed = dict[str, NDArray[Any]]
 Info = dict[str, Any]
-_HORIZON = 100
+HORIZON = 100
 """Environment steps: four plans of 25."""
 _RENDERED = 224
 _FRESH, _TRIALS = 10_000, 1_000_000
@@ -54,7 +54,7 @@ class PointMazeEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         *,
         observe: Literal["state", "pixels"] = "state",
         size: int = SIZE,
-        horizon: int = _HORIZON,
+        horizon: int = HORIZON,
         terminate: bool = True,
         render_mode: str | None = None,
         ontology: Sequence[str] = (),

@@ -29,6 +29,7 @@ class Robosuite:
 
     name = "robosuite"
     title = "robosuite"
+    level = "state"
     domains: Sequence[str] = ("robosuite_suite",)
 
     def suites(self) -> Sequence[str]:

@@ -20,10 +20,10 @@ from runtime.loop.diagnosis import diagnose_goal, satisfied
 from runtime.loop.records import Application, Attempt, Episode, ExecutedPlan, Prediction, Proposal, Verification
 from runtime.worlds.pointmaze.grounded import MazeFacts
 from runtime.worlds.pointmaze.planning.mpc import ExecutedStep, TrialResult
+from runtime.worlds.pointmaze.world import SUITE
 
 __all__ = ["SUITE", "TrialRecorder"]
 
-SUITE = "pointmaze"
 _JUDGED = "at_target"
 """The predicate whose truth the published success is."""
 

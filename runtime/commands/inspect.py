@@ -92,7 +92,7 @@ def _diagnose(options: argparse.Namespace) -> int:
     from runtime.loop.routing import route  # noqa: PLC0415
     from runtime.wording import amount, atom, short_name, unit_of  # noqa: PLC0415
 
-    with task_runner(options) as runner:
+    with task_runner(options, possible=True) as runner:
         start, state = start_of(options)
         runner.start(start, state)
         knowledge, required = runner.knowledge, runner.required

@@ -11,22 +11,30 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
+from onto_compiler.bddl.impossible import refuse_impossible
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.loop.records import GIVEN
 from runtime.worlds.episodes import EpisodeRunner
+from runtime.worlds.required import required_of
 from runtime.worlds.world import named_task
 
 __all__ = ["start_of", "task_runner"]
 
 
 @contextmanager
-def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
-    """The runner for ``options.task`` under ``options.ontology`` and ``options.seed``; closed at the end."""
+def task_runner(options: argparse.Namespace, *, possible: bool = False) -> Iterator[EpisodeRunner]:
+    """The runner for ``options.task`` under ``options.ontology`` and ``options.seed``; closed at the end.
+
+    Raises:
+        OntoError: as :func:`onto_compiler.bddl.impossible.refuse_impossible`, where the goal must be ``possible``.
+    """
     knowledge = load_knowledge(*options.ontology)
     world, ref = named_task(options.task)
     proposers = world.proposers(knowledge.schema)
     budget = getattr(options, "budget", None)
+    if possible:
+        refuse_impossible(required_of(ref, knowledge), knowledge.schema)
     # A line that moves while MuJoCo compiles; it shows on a terminal only.
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         runner = EpisodeRunner.open(world, ref, knowledge, proposers, options.seed, budget)

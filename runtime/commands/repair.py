@@ -29,7 +29,7 @@ def _run(options: argparse.Namespace) -> int:
     from runtime.trace.store import TraceStore  # noqa: PLC0415
     from runtime.trace.summary import episode_summary  # noqa: PLC0415
 
-    with task_runner(options) as runner:
+    with task_runner(options, possible=True) as runner:
         episode = runner.run(*start_of(options))
         schema = runner.knowledge.schema
     if options.out is not None:

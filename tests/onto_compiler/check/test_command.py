@@ -15,7 +15,7 @@ from onto_compiler.command import CLEAN, FINDINGS, MISUSE
 
 HERE = Path(__file__).parent
 BROKEN, GOOD = HERE / "broken", HERE / "good"
-HEAVY = ("rdflib", "pyshacl", "owlready2", "numpy", "mujoco", "torch", "lark", "importlib.metadata")
+HEAVY = ("rdflib", "pyshacl", "owlready2", "numpy", "mujoco", "torch", "lark")
 
 
 def run(command, *words):

@@ -31,7 +31,7 @@ def task_runner(options: argparse.Namespace, *, possible: bool = False) -> Itera
     """
     knowledge = load_knowledge(*options.ontology)
     world, ref = named_task(options.task)
-    proposers = world.proposers(knowledge.schema)
+    proposers = world.proposers(knowledge.schema, dict(getattr(options, "proposer", ())))
     budget = getattr(options, "budget", None)
     if possible:
         refuse_impossible(required_of(ref, knowledge), knowledge.schema)

@@ -18,8 +18,9 @@ SERVING = {  # by the notation of a route's level: the group, and what its membe
 
 
 def points(group: str) -> tuple[EntryPoint, ...]:
-    """The entry points of ``group``, each once, by name and then by package."""
-    return tuple(sorted(dict.fromkeys(entry_points(group=group)), key=lambda point: (point.name, package(point))))
+    """The entry points of ``group``, each of a package once, by name and then by package."""
+    found = {(point.name, package(point), point.value): point for point in entry_points(group=group)}
+    return tuple(found[key] for key in sorted(found))
 
 
 def route_of(point: EntryPoint) -> str:

@@ -70,17 +70,18 @@ def _circle(facts: Iterable[Fact], schema: Schema) -> list[Fact]:
         path: list[Fact] = []
         pending = [iter(above[start])]
         while pending:
-            fact = next(pending[-1], None)
-            if fact is None:
+            following = next(pending[-1], None)
+            if following is None:
                 pending.pop()
                 done.add(path.pop().arguments[1].name if path else start)
                 continue
-            here = fact.arguments[1].name
-            names = [each.arguments[0].name for each in (*path, fact)]
+            links = [*path, following]
+            names = [each.arguments[0].name for each in links]
+            here = following.arguments[1].name
             if here in names:
-                return [*path, fact][names.index(here) :]
+                return links[names.index(here) :]
             if here not in done:
-                path.append(fact)
+                path = links
                 pending.append(iter(above.get(here, ())))
     return []
 

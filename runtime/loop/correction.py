@@ -140,7 +140,8 @@ class _Run:
 
     def _reason(self) -> str:
         """What is missing: the routes that failures were sent along, and that no proposer serves."""
-        return "; ".join(f"no proposer is registered as `{name}`" for name in self.unserved)
+        names = " or ".join(f"`{name}`" for name in self.unserved)
+        return f"no proposer is registered as {names}" if names else ""
 
     def _before_attempt(
         self, observation: Observation, diagnoses: tuple[Diagnosis, ...]

@@ -88,7 +88,7 @@ def _one(served: Sequence[Served], what: str, wanted: str | None) -> Served:
             raise OntoError.of("RUN008", message, near(wanted, names) or f"there is {', '.join(names)}")
         return match
     if len(served) > 1:
-        names = " and ".join(f"`{one.name}` (package `{package(one.point)}`)" for one in served)
+        both = " and ".join(f"`{one.name}` (package `{package(one.point)}`)" for one in served)
         choice = f"--proposer {route}={served[0].name}" if what == "proposer" else "one package at a time"
-        raise OntoError.of("RUN005", f"the route `{route}` is served by {names}", f"choose one: {choice}")
+        raise OntoError.of("RUN005", f"the route `{route}` is served by {both}", f"choose one: {choice}")
     return served[0]

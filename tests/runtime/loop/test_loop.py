@@ -226,7 +226,7 @@ def test_a_route_that_nothing_serves_ends_unresolved_and_says_so():
     required = RequiredABox("task", "do it", "problem", (ON,))
     result = loop.run(required, Scripted([[FALSE]], [False]), np.random.default_rng(0))
     assert (result.outcome, result.attempts) == ("unresolved", ())
-    assert result.reason == "no proposer is registered as `object_relation_predicate`"
+    assert result.reason == "no proposer is registered as `object_relation_predicate` or `source_joint_residual`"
 
 
 def test_an_exhausted_budget_needs_no_further_reason():

@@ -17,6 +17,7 @@ _KINDS = {
     "onto_evwm.mechanisms": "mechanism",
     "onto_evwm.encoders": "encoder",
     "onto_evwm.protocols": "protocol",
+    "onto_evwm.worlds": "world",
     "onto_evwm.commands": "command",
 }
 _OURS = {"benchmarks", "grounding", "onto_compiler", "ontology", "runtime"}

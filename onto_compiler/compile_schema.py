@@ -30,13 +30,14 @@ from onto_compiler.sources import load_store
 __all__ = ["compile_schema", "load_schema", "read_hierarchy"]
 
 _PREDICATES = """
-SELECT ?this ?kind ?name ?domain ?range ?unit ?grounded ?definition ?tolerance ?moves WHERE {
+SELECT ?this ?kind ?name ?domain ?range ?unit ?grounded ?definition ?tolerance ?moves ?acyclic WHERE {
     ?this a ?kind . ?kind rdfs:subClassOf* core:Predicate .
     OPTIONAL { ?this skos:notation ?name } OPTIONAL { ?this skos:definition ?definition }
     OPTIONAL { ?this core:domain ?domain } OPTIONAL { ?this core:range ?range }
     OPTIONAL { ?this core:marginUnit ?unit } OPTIONAL { ?this core:groundedBy ?grounded }
     OPTIONAL { ?this core:tolerance ?tolerance }
     OPTIONAL { ?kind rdfs:subClassOf*/core:movesArgument ?moves }
+    BIND (EXISTS { ?this core:characteristic core:Acyclic } AS ?acyclic)
 } ORDER BY ?this ?kind"""
 _BINDINGS = """
 SELECT ?this ?native ?first ?second ?lifts ?grounded ?order ?pattern ?threshold ?tolerance ?premise ?domain ?margin
@@ -157,6 +158,7 @@ def _predicates(store: Store, classes: Mapping[str, frozenset[str]]) -> dict[str
             margin_unit=row.get("unit"),
             grounded_by=row.get("grounded"),
             definition=row.get("definition", ""),
+            acyclic=row["acyclic"] == "true",
             tolerance=float(row["tolerance"]) if "tolerance" in row else None,
             moves=moves if 0 <= moves < len(parameters) else None,
         )

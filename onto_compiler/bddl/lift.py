@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import Atom, Symbol, TaskSpec, atoms
 from onto_compiler.bddl.dialects import LIBERO, dialect_of
+from onto_compiler.bddl.impossible import impossible
 from onto_compiler.bddl.lint import lint
 from onto_compiler.bddl.literals import goal_of
 from onto_compiler.bddl.scope import Named, Scope, scope_of
@@ -64,7 +65,14 @@ def lift(spec: TaskSpec, schema: Schema, task: str) -> tuple[RequiredABox, tuple
         source=spec.file,
         alternatives=wanted.alternatives,
     )
-    return abox, warnings
+    return abox, _with_impossible(abox, schema, warnings)
+
+
+def _with_impossible(abox: RequiredABox, schema: Schema, warnings: tuple[Problem, ...]) -> tuple[Problem, ...]:
+    """What the typed facts exclude, where the atoms alone did not show it."""
+    if any(each.code in {codes.CONTRADICTION, codes.ITSELF, codes.OPPOSITES} for each in warnings):
+        return warnings
+    return tuple(sorted({*warnings, *(replace(each, severity="warning") for each in impossible(abox, schema))}))
 
 
 def lift_atom(atom: Atom, scope: Scope, schema: Schema, domain: str, *, polarity: bool) -> Fact | None:

@@ -154,12 +154,13 @@ def _shown(file: Path | str) -> str:
 
 
 def _summary(problems: Sequence[Problem]) -> str:
-    kinds = {"error": 0, "warning": 0}
+    kinds = {"error": 0, "warning": 0, "note": 0}
     for problem in problems:
-        kinds[problem.severity] += 1
+        kinds["note" if problem.severity == "info" else problem.severity] += 1
     detail = ", ".join(counted(number, kind) for kind, number in kinds.items() if number)
     files = counted(len({problem.file for problem in problems}), "file")
-    return f"{counted(len(problems), 'problem')} ({detail}) in {files}"
+    found = len(problems) - kinds["note"]
+    return f"{counted(found, 'problem')} ({detail}) in {files}" if found else f"no problem found, {detail} in {files}"
 
 
 def _configure_explain(parser: argparse.ArgumentParser) -> None:

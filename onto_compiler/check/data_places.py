@@ -90,9 +90,7 @@ class _Places:
         self.graph = Graph(statements)
         self.whole = len(self.graph) == len(Graph(s for d in self.documents for s in d.statements))
 
-    def object(
-        self, subject: Term, predicate: Term, value: Term, inside: tuple[int, int] | None = None
-    ) -> Span | None:
+    def object(self, subject: Term, predicate: Term, value: Term, inside: tuple[int, int] | None = None) -> Span | None:
         """The object of a triple, or what is ``inside`` it: a character of a literal, and how many from it on."""
         spot = self._triples.get((subject, predicate, value))
         if spot is not None and inside is not None and spot.located.at_object.kind == "string":

@@ -180,4 +180,3 @@ def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shape
             if not shape.deactivated:
                 roots.append(shape)
     return Shapes(tuple(roots), compiler.known, graph, declared_functions(compiler.reader, faults))
-

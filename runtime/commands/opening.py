@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from rich.console import Console
 
+from onto_compiler.bddl.impossible import refuse_impossible
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.loop.records import GIVEN
 from runtime.worlds.episodes import EpisodeRunner
+from runtime.worlds.required import required_of
 from runtime.worlds.world import named_task
 
 __all__ = ["open_task", "start_of"]
@@ -21,15 +23,30 @@ __all__ = ["open_task", "start_of"]
 
 @contextmanager
 def open_task(
-    task: str, ontology: Sequence[str | Path] = (), seed: int = 0, budget: int | None = None, judge: str = "native"
+    task: str,
+    ontology: Sequence[str | Path] = (),
+    seed: int = 0,
+    budget: int | None = None,
+    judge: str = "native",
+    *,
+    proposers: Mapping[str, str] | None = None,
+    possible: bool = False,
 ) -> Iterator[EpisodeRunner]:
-    """The runner for ``task`` under the shipped ontology with ``ontology`` on top; closed at the end."""
+    """The runner for ``task`` under the shipped ontology with ``ontology`` on top; closed at the end.
+
+    ``proposers`` names the one that acts of those that serve a route.
+
+    Raises:
+        OntoError: as :func:`onto_compiler.bddl.impossible.refuse_impossible`, where the goal must be ``possible``.
+    """
     knowledge = load_knowledge(*ontology)
     world, ref = named_task(task)
-    proposers = world.proposers(knowledge.schema)
+    offered = world.proposers(knowledge.schema, dict(proposers or {}))
+    if possible:
+        refuse_impossible(required_of(ref, knowledge), knowledge.schema)
     # A line that moves while MuJoCo compiles; it shows on a terminal only.
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
-        runner = EpisodeRunner.open(world, ref, knowledge, proposers, seed, budget, judge)
+        runner = EpisodeRunner.open(world, ref, knowledge, offered, seed, budget, judge)
     try:
         yield runner
     finally:

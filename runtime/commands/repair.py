@@ -25,8 +25,23 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, metavar="DIR", help="also record the episode in DIR/store and DIR/trace.trig"
     )
+    parser.add_argument(
+        "--proposer",
+        action="append",
+        default=[],
+        type=_choice,
+        metavar="ROUTE=NAME",
+        help="which proposer serves a route, where several are installed; may be given for several routes",
+    )
     add_ontology(parser)
     add_format(parser)
+
+
+def _choice(text: str) -> tuple[str, str]:
+    route, equals, name = text.partition("=")
+    if not (route and equals and name):
+        raise argparse.ArgumentTypeError(f"`{text}` is not of the form ROUTE=NAME")
+    return route, name
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -44,16 +59,19 @@ def _run(options: argparse.Namespace) -> int:
         seed=options.seed,
         budget=options.budget,
         judge=options.judge,
+        proposers=dict(options.proposer),
     )
     schema = load_knowledge(*options.ontology).schema
+    reason = dict(episode.provenance).get("reason", "")
     if options.out is not None:
         with TraceStore(options.out / "store", schema, "repair", ontology=options.ontology) as store:
             store.add(episode)
             store.export_trig(options.out / "trace.trig")
     if options.format == "json":
-        print_json(episode_summary(episode, schema))
+        print_json(episode_summary(episode, schema) | ({"reason": reason} if reason else {}))
     else:
-        sys.stdout.write("\n".join(wrapped(narrate(episode, schema))) + "\n")
+        lines = [*narrate(episode, schema), *([f"  Reason: {reason}."] if reason else [])]
+        sys.stdout.write("\n".join(wrapped(lines)) + "\n")
     return CLEAN if episode.accepted else FINDINGS
 
 

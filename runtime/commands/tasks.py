@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from numpy.typing import ArrayLike
@@ -127,7 +127,7 @@ def diagnose(
     Raises:
         OntoError: as :func:`ground`, and ``RUN003`` where no rule speaks of a failure.
     """
-    with open_task(task, ontology, seed) as runner:
+    with open_task(task, ontology, seed, possible=True) as runner:
         start, given = start_of(state)
         runner.start(start, given)
         knowledge, required, level = runner.knowledge, runner.required, runner.world.level
@@ -171,17 +171,22 @@ def repair(
     seed: int = 0,
     budget: int | None = None,
     judge: str = "native",
+    proposers: Mapping[str, str] | None = None,
 ) -> Episode:
     """Run the correction loop on ``task`` from the initial ``state``; the arguments are those of :func:`ground`.
 
     ``budget`` is how many attempts the loop may make. ``judge`` is "native", LIBERO's own predicate, or "grounding":
-    the facts as they are grounded accept, which the record says.
+    the facts as they are grounded accept, which the record says. ``proposers`` names, by route, which of several
+    proposers acts.
 
     Raises:
         OntoError: as :func:`ground`; ``SIM018`` where the native judge does not know a predicate of the goal.
     """
-    with open_task(task, ontology, seed, budget, judge) as runner:
-        return runner.run(*start_of(state))
+    with open_task(task, ontology, seed, budget, judge, proposers=proposers, possible=True) as runner:
+        episode = runner.run(*start_of(state))
+    if not proposers:
+        return episode
+    return replace(episode, provenance=(*episode.provenance, ("proposers", dict(proposers))))
 
 
 def _grounded(facts: Sequence[Fact], observation: Observation, schema: Schema) -> tuple[GroundedFact, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from runtime.loop.diagnosis import diagnose_goal, select
 from runtime.loop.faults import RunFault
 from runtime.loop.proposer import Proposer, Request
 from runtime.loop.records import Application, Attempt, Diagnosis, Proposal, RouteDecision, Verification
-from runtime.loop.routing import route
+from runtime.loop.routing import route, route_or_none
 
 __all__ = ["Correction", "CorrectionLoop", "Environment", "RunFault"]
 
@@ -64,13 +64,17 @@ class Environment(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """What :meth:`CorrectionLoop.run` returns: the attempts, and how and in which observed state the loop ended."""
+    """What :meth:`CorrectionLoop.run` returns: the attempts, and how and in which observed state the loop ended.
+
+    ``reason`` says what is missing where a route has nothing that serves it.
+    """
 
     initial: Observation
     attempts: tuple[Attempt, ...]
     final: Observation
     outcome: str
     verification: Verification | None
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +92,6 @@ class CorrectionLoop:
         rng: np.random.Generator,
         *,
         predicted: Observation | None = None,
-        features: Any = None,  # noqa: ANN401 - what a learned proposer consumes
         report: Callable[[Attempt], None] | None = None,
     ) -> Correction:
         """Correct the state of ``environment`` until the native predicate accepts it or the budget is spent.
@@ -99,7 +102,7 @@ class CorrectionLoop:
         """
         if predicted is None and environment is None:
             raise ValueError("a simulator source needs an environment")
-        return _Run(self, required, environment, rng, features).correct(predicted, report)
+        return _Run(self, required, environment, rng).correct(predicted, report)
 
 
 @dataclass(slots=True)
@@ -110,10 +113,10 @@ class _Run:
     required: RequiredABox
     environment: Environment | None
     rng: np.random.Generator
-    features: Any
     attempts: list[Attempt] = field(default_factory=list)
     offered: dict[tuple[int, str], int] = field(default_factory=dict)  # candidates so far, by fact and route
     rejected: RouteDecision | None = None
+    unserved: dict[str, None] = field(default_factory=dict)  # routes without a proposer
 
     def correct(self, predicted: Observation | None, report: Callable[[Attempt], None] | None) -> Correction:
         observation = initial = self._observe() if predicted is None else predicted
@@ -132,7 +135,13 @@ class _Run:
                     end = _after_attempt(attempt)
             if end is not None:
                 outcome, verification = (end, self._verdict()) if isinstance(end, str) else end
-                return Correction(initial, tuple(self.attempts), observation, outcome, verification)
+                reason = self._reason() if outcome == "unresolved" else ""
+                return Correction(initial, tuple(self.attempts), observation, outcome, verification, reason)
+
+    def _reason(self) -> str:
+        """What is missing: the routes that failures were sent along, and that no proposer serves."""
+        names = " or ".join(f"`{name}`" for name in self.unserved)
+        return f"no proposer is registered as {names}" if names else ""
 
     def _before_attempt(
         self, observation: Observation, diagnoses: tuple[Diagnosis, ...]
@@ -174,17 +183,22 @@ class _Run:
         if self.rejected is not None and self.rejected.diagnosis.index == selected.index:
             status, previous = REPEAT, self.rejected.route
         spent: set[str] = set()
+        decision = route(selected, self.loop.knowledge, status, previous)
         while True:
-            decision = route(selected, self.loop.knowledge, status, previous)
             proposal = None if decision.route in spent else self._propose(decision)
             if proposal is not None or decision.route in spent:
                 return decision, proposal
             spent.add(decision.route)
-            status, previous = EXHAUSTED, decision.route
+            following = route_or_none(selected, self.loop.knowledge, EXHAUSTED, decision.route)
+            if following is None:  # the route names no successor
+                return decision, None
+            decision = following
 
     def _propose(self, decision: RouteDecision) -> Proposal | None:
         name = self.loop.knowledge.schema.routes[decision.route].name
         proposer, environment = self.loop.proposers.get(name), self.environment
+        if proposer is None:
+            self.unserved[name] = None
         if proposer is None or environment is None:
             return None
         key = (decision.diagnosis.index, decision.route)
@@ -200,7 +214,6 @@ class _Run:
                 candidate=candidate,
                 observe=environment.observe_at,
                 rng=self.rng,
-                features=self.features,
             )
         )
 

@@ -98,7 +98,10 @@ class EpisodeRunner:
             final=correction.final,
             outcome=correction.outcome,
             verification=correction.verification,
-            provenance=tuple(self.environment.versions().items()),
+            provenance=(
+                *self.environment.versions().items(),
+                *((("reason", correction.reason),) if correction.reason else ()),
+            ),
         )
 
     def start(self, state_index: int, state: ArrayLike | None = None) -> None:

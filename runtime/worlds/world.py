@@ -89,8 +89,11 @@ class World(Protocol):
         """
         ...
 
-    def proposers(self, schema: Schema) -> Mapping[str, Proposer]:
-        """What proposes states, by the local name of the route that it serves; raises ``RUN010``."""
+    def proposers(self, schema: Schema, chosen: Mapping[str, str] | None = None) -> Mapping[str, Proposer]:
+        """What proposes states, by the notation of the route that it serves; ``chosen`` has names by route.
+
+        Raises ``RUN010``, and ``RUN005``, ``RUN006`` or ``RUN008`` where the choice is not clear.
+        """
         ...
 
     def skills(self, schema: Schema) -> Mapping[str, Any]:

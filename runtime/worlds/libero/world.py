@@ -49,11 +49,11 @@ class Libero:
 
         return LiberoEnvironment(ref, required, schema, seed)
 
-    def proposers(self, schema: Schema) -> Mapping[str, Proposer]:
-        """Those that are registered for the routes of ``schema``; raises ``RUN010``."""
+    def proposers(self, schema: Schema, chosen: Mapping[str, str] | None = None) -> Mapping[str, Proposer]:
+        """Those that are registered for the routes of ``schema``; raises as :func:`runtime.loop.registry.load_proposers`."""
         from runtime.loop.registry import load_proposers  # noqa: PLC0415 - as above
 
-        return load_proposers(schema)
+        return load_proposers(schema, chosen)
 
     def skills(self, schema: Schema) -> Mapping[str, Any]:
         """Those that are registered for the routes of ``schema``; raises ``RUN011``."""

@@ -58,7 +58,7 @@ class PointMaze:
 
         return OpenMaze(ref, required, schema, seed)
 
-    def proposers(self, schema: Schema) -> Mapping[str, Proposer]:  # noqa: ARG002  there is none to choose
+    def proposers(self, schema: Schema, chosen: Mapping[str, str] | None = None) -> Mapping[str, Proposer]:
         """None: what corrects a plan is a mechanism of :mod:`runtime.planning`."""
         return {}
 

@@ -60,11 +60,11 @@ class Robosuite:
 
         return RobosuiteEnvironment(ref, required, schema, seed)
 
-    def proposers(self, schema: Schema) -> Mapping[str, Proposer]:
-        """Those that are registered for the routes of ``schema``; raises ``RUN010``."""
+    def proposers(self, schema: Schema, chosen: Mapping[str, str] | None = None) -> Mapping[str, Proposer]:
+        """Those that are registered for the routes of ``schema``; raises as :func:`runtime.loop.registry.load_proposers`."""
         from runtime.loop.registry import load_proposers  # noqa: PLC0415 - as above
 
-        return load_proposers(schema)
+        return load_proposers(schema, chosen)
 
     def skills(self, schema: Schema) -> Mapping[str, Any]:  # noqa: ARG002  there is none to choose
         """None: no skill plays these tasks."""

@@ -102,7 +102,9 @@ def test_a_query_in_a_file_is_refused_by_every_command_that_reads_it(place, put,
     assert listener[1] == []
 
 
-@pytest.mark.parametrize("query", ["SELECT * { SERVICE <URL> { ?s ?p ?o } }", "LOAD <URL>", "ASK FROM <URL> { ?s ?p ?o }"])
+@pytest.mark.parametrize(
+    "query", ["SELECT * { SERVICE <URL> { ?s ?p ?o } }", "LOAD <URL>", "ASK FROM <URL> { ?s ?p ?o }"]
+)
 def test_a_query_of_a_trace_is_refused(query, put, listener, capsys, monkeypatch):
     trace = put("trace.ttl", f"{PREFIXES}ex:a ex:p 1 .")
     file = put("question.rq", f"# asks\n{query}")
@@ -117,12 +119,17 @@ def test_a_query_of_a_trace_is_refused(query, put, listener, capsys, monkeypatch
 
 
 def test_imports_and_contexts_are_not_fetched(put, listener, capsys):
-    shapes = put("shapes.ttl", f"{PREFIXES}<> a owl:Ontology ; owl:imports <URLmore.ttl> . {SHAPE} sh:nodeKind sh:IRI .")
+    shapes = put(
+        "shapes.ttl", f"{PREFIXES}<> a owl:Ontology ; owl:imports <URLmore.ttl> . {SHAPE} sh:nodeKind sh:IRI ."
+    )
     data = put("data.ttl", f"{PREFIXES}<> a owl:Ontology ; owl:imports <URLmore.ttl> . ex:a ex:p 1 .")
     context = put("data.jsonld", '{"@context": "URLcontext.jsonld", "@id": "http://example.org/a", "name": "x"}')
-    entity = put("data.rdf", '<!DOCTYPE r [<!ENTITY e SYSTEM "URL">]><rdf:RDF xmlns:rdf='
-                 '"http://www.w3.org/1999/02/22-rdf-syntax-ns#" xmlns:e="http://example.org/">'
-                 '<rdf:Description rdf:about="http://example.org/a"><e:p>&e;</e:p></rdf:Description></rdf:RDF>')
+    entity = put(
+        "data.rdf",
+        '<!DOCTYPE r [<!ENTITY e SYSTEM "URL">]><rdf:RDF xmlns:rdf='
+        '"http://www.w3.org/1999/02/22-rdf-syntax-ns#" xmlns:e="http://example.org/">'
+        '<rdf:Description rdf:about="http://example.org/a"><e:p>&e;</e:p></rdf:Description></rdf:RDF>',
+    )
     main(["check", data, "--shapes", shapes])
     main(["check", shapes])
     capsys.readouterr()

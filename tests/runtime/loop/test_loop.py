@@ -218,3 +218,44 @@ def test_a_route_without_a_proposer_is_passed_over():
 def test_a_simulator_source_without_an_environment_is_a_programming_error():
     with pytest.raises(ValueError, match="environment"):
         run([ON], None)
+
+
+def test_a_route_that_nothing_serves_ends_unresolved_and_says_so():
+    """Of the two routes of a relation, one after the other: the failure is kept, and what is missing is named."""
+    loop = CorrectionLoop(load_knowledge(), {}, 4)
+    required = RequiredABox("task", "do it", "problem", (ON,))
+    result = loop.run(required, Scripted([[FALSE]], [False]), np.random.default_rng(0))
+    assert (result.outcome, result.attempts) == ("unresolved", ())
+    assert result.reason == "no proposer is registered as `object_relation_predicate` or `source_joint_residual`"
+
+
+def test_an_exhausted_budget_needs_no_further_reason():
+    assert run([ON], Scripted([[FALSE]] * 5, [False] * 5)).reason == ""
+
+
+def test_a_missing_route_says_what_it_lacks():
+    """The level, the failure, the kind, or the rule: never what is there."""
+    from dataclasses import replace
+
+    from onto_compiler.knowledge import Knowledge
+    from onto_compiler.problems import OntoError
+    from onto_compiler.tables import RuleTables
+    from runtime.loop.diagnosis import diagnose
+    from runtime.loop.routing import route
+
+    known = load_knowledge()
+    (found,) = diagnose([ON], stack("sim", 0, [FALSE]), known.tables)
+    silent = RuleTables(known.tables.diagnosis, {})
+    routes = known.schema.routes.items()
+
+    def said(**changes):
+        schema = replace(known.schema, routes={iri: replace(each, **changes) for iri, each in routes})
+        with pytest.raises(OntoError, match="RUN004") as caught:
+            route(found, Knowledge(schema, silent))
+        return caught.value.problems[0]
+
+    assert "no route of the state level admits `RelationMissing`" in said(level="plan").message
+    assert "no route of the state level admits `RelationMissing`" in said(admits=frozenset()).message
+    assert "does not support its kind, `ObjectRelation`" in said(supports=frozenset()).message
+    assert "no routing rule sends" in said().message
+    assert "core:supports" in said(supports=frozenset()).hint

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 from rich.console import Console
 
+from onto_compiler.bddl.impossible import refuse_impossible
 from onto_compiler.command import CLEAN, FINDINGS, print_json
 from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.problems import OntoError
@@ -69,6 +70,7 @@ def _stage(options: argparse.Namespace, knowledge: Knowledge) -> Iterator[Episod
     ref = named_task(options.task)
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         required = required_of(ref, knowledge, ordered=True)
+        refuse_impossible(required, knowledge.schema)
         scene = compile_scene(ref.bddl, options.seed)
         player = Player(scene, required, knowledge)
         if options.candidates == "offset-grid":

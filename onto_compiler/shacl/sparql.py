@@ -12,7 +12,7 @@ from pyoxigraph import NamedNode
 from onto_compiler.rdf import RDFS, SH
 from onto_compiler.shacl.graph import Term
 from onto_compiler.shacl.model import Check, Custom, Hit, Run, ShapeFault
-from onto_compiler.shacl.paths import Path, sparql_path
+from onto_compiler.shacl.paths import Path
 from onto_compiler.shacl.prebinding import Query, read_query, unsupported
 from onto_compiler.shacl.reader import Reader, local
 

@@ -69,7 +69,7 @@ class OpenMaze(StateEnvironment):
         super().__init__(self._state, Scene(self._state.model), required, schema)
         self.seed, self._name = seed, ref.name
 
-    def verify(self) -> Verification:
+    def verify_natively(self) -> Verification:
         """The published success: the ball is nearer to the target than 0.5 m."""
         data, address = self.data, target_address(self.model, TARGET)
         here = np.concatenate([data.qpos, data.qvel])

@@ -55,7 +55,7 @@ def test_gymnasium_makes_the_worlds_whatever_is_imported_first(first, tmp_path):
     both = python(
         f"{first}; import onto_evwm; print(sorted(i for i in gymnasium.registry if i[:5] == 'onto/'))", tmp_path
     )
-    assert both.stdout == "['onto/Libero-v0', 'onto/PointMaze-v0']\n", both.stderr
+    assert both.stdout == "['onto/Libero-v0', 'onto/PointMaze-v0', 'onto/Robosuite-v0']\n", both.stderr
 
 
 @pytest.mark.parametrize("name", ["runtime", "ontology", "benchmarks"])

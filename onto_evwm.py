@@ -9,16 +9,6 @@ import sys
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from onto_compiler.bddl.compile import compile_task
-    from onto_compiler.check.run import check
-    from onto_compiler.knowledge import Knowledge
-    from onto_compiler.problems import OntoError
-    from runtime.commands.tasks import diagnose, ground, repair
-    from runtime.trace.narrate import narrate
-    from runtime.trace.store import open_trace
 
 __all__ = [
     "Knowledge",

@@ -13,7 +13,7 @@ from venv import EnvBuilder
 __all__ = ["core_env_mib", "core_environment"]
 
 _ROOT = Path(__file__).resolve().parent.parent
-_SOURCES = ("ontology", "onto_compiler", "grounding", "runtime", "benchmarks")
+_SOURCES = ("onto_evwm-stubs", "ontology", "onto_compiler", "grounding", "runtime", "benchmarks")
 _FILES = ("onto_evwm.py", "pyproject.toml", "README.md", "LICENSE")
 
 

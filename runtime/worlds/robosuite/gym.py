@@ -1,7 +1,6 @@
 """robosuite's tasks as Gymnasium environments, with typed facts and diagnoses of the goal in ``info``.
 
-Importing this module registers ``onto/Robosuite-v0``, which
-``gymnasium.make("runtime.worlds.robosuite.gym:onto/Robosuite-v0", task="robosuite/Lift")`` does first.
+The package registers it: ``gymnasium.make("onto_evwm:onto/Robosuite-v0", task="robosuite/Lift")``.
 """
 
 from __future__ import annotations
@@ -24,9 +23,8 @@ from runtime.worlds.robosuite.native import INITIAL_STATES
 from runtime.worlds.robosuite.world import WORLD
 from runtime.worlds.world import task_named
 
-__all__ = ["ROBOSUITE", "RobosuiteEnv"]
+__all__ = ["RobosuiteEnv"]
 
-ROBOSUITE = "onto/Robosuite-v0"
 Observed = dict[str, NDArray[np.float64]]
 Info = dict[str, Any]
 _OPTIONS = ("state_index", "state")
@@ -119,7 +117,3 @@ class RobosuiteEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             "state_index": self._index,
             "step": self._steps,
         }
-
-
-if ROBOSUITE not in gymnasium.registry:
-    gymnasium.register(ROBOSUITE, entry_point="runtime.worlds.robosuite.gym:RobosuiteEnv")

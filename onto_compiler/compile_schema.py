@@ -147,16 +147,18 @@ def _predicates(store: Store, classes: Mapping[str, frozenset[str]]) -> dict[str
         # A predicate typed with a kind and with one of its superclasses keeps the narrower kind.
         if earlier is not None and row["kind"] in classes.get(earlier.kind, ()):
             continue
+        parameters = tuple(row[key] for key in ("domain", "range") if key in row)
+        moves = int(row.get("moves", 0)) - 1
         found[row["this"]] = PredicateSignature(
             iri=row["this"],
             name=row.get("name", local_name(row["this"])),
             kind=row["kind"],
-            parameters=tuple(row[key] for key in ("domain", "range") if key in row),
+            parameters=parameters,
             margin_unit=row.get("unit"),
             grounded_by=row.get("grounded"),
             definition=row.get("definition", ""),
             tolerance=float(row["tolerance"]) if "tolerance" in row else None,
-            moves=int(row["moves"]) - 1 if "moves" in row else None,
+            moves=moves if 0 <= moves < len(parameters) else None,
         )
     return found
 

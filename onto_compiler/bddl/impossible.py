@@ -1,4 +1,4 @@
-"""Whether a required ABox can hold at all: facts that exclude each other, or things that would have to be on themselves.
+"""Whether a required ABox can hold at all: facts that exclude each other, or things that would be on themselves.
 
 Nothing here looks at a scene. What is said is certain: of predicates by what the ontology declares of them
 (``core:characteristic``), of joints by their thresholds. On two supports at a time a thing may well rest.
@@ -66,9 +66,9 @@ def _circle(facts: Iterable[Fact], schema: Schema) -> list[Fact]:
         if fact.polarity and predicate is not None and predicate.acyclic and len(fact.arguments) == 2:
             above.setdefault(fact.arguments[0].name, []).append(fact)
     done: set[str] = set()
-    for start in above:
+    for start, first in above.items():
         path: list[Fact] = []
-        pending = [iter(above[start])]
+        pending = [iter(first)]
         while pending:
             following = next(pending[-1], None)
             if following is None:

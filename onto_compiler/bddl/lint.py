@@ -112,7 +112,7 @@ def _placed(spec: TaskSpec) -> Iterator[Problem]:
 
 
 def _rotated(spec: TaskSpec) -> Iterator[Problem]:
-    """Rotations of regions that LIBERO does not read: it takes a region's for fixtures, and an object's own for objects.
+    """Rotations of regions that LIBERO does not read: it turns fixtures by their region, and objects by their class.
 
     Source: ``_add_placement_initializer`` of LIBERO's ``bddl_base_domain.py``.
     """

@@ -39,10 +39,9 @@ def told(error: Exception) -> OntoError | None:
         if found is not None:
             point, kind = found
             text = " ".join(str(error).split())
-            message = (
-                f"the {kind} `{point.name}` (`{point.value}`, package `{package(point)}`) raised "
-                f"{type(error).__name__}{f': {text}' if text else ''}"
-            )
+            raised = f"{type(error).__name__}{f': {text}' if text else ''}"
+            where = f"the {kind} `{point.name}` (`{point.value}`, package `{package(point)}`)"
+            message = f"{where} raised {raised}"
             hint = "correct it there, or tell the authors of the package; ONTO_DEBUG=1 shows the whole traceback"
             return OntoError(Problem(frame.f_code.co_filename, line, 1, "RUN007", "error", message, hint))
     return None

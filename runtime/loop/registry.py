@@ -1,7 +1,7 @@
 """Finds the proposer of each route: an entry point of the group ``onto_evwm.proposers``.
 
-It is named as the route, ``unwiped_route``, or ``unwiped_route.learned`` where several packages serve one route; its name
-is then ``learned``, and otherwise the ``name`` of its class.
+It is named as the route, ``unwiped_route``, or ``unwiped_route.learned`` where several packages serve one route; its
+name is then ``learned``, and otherwise the ``name`` of its class.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ GROUP = "onto_evwm.proposers"
 
 
 def load_proposers(schema: Schema, chosen: Mapping[str, str] | None = None) -> dict[str, Proposer]:
-    """Build the proposer of each route that ``schema`` declares, by the route's notation; ``chosen`` has names by route.
+    """Build the proposer of each route of ``schema``, by the route's notation; ``chosen`` has names by route.
 
     Raises:
         OntoError: RUN010, where an entry point cannot be loaded; RUN005, RUN006 or RUN008 as

@@ -1,6 +1,6 @@
 """Finds what serves each route: an entry point named ``ROUTE``, or ``ROUTE.NAME`` where several serve it.
 
-Nothing is decided by the order in which packages are found: where several serve a route, one must be chosen by its name.
+Nothing is decided by the order in which packages are found: where several serve a route, one is chosen by its name.
 """
 
 from __future__ import annotations

@@ -61,7 +61,7 @@ class Robosuite:
         return RobosuiteEnvironment(ref, required, schema, seed)
 
     def proposers(self, schema: Schema, chosen: Mapping[str, str] | None = None) -> Mapping[str, Proposer]:
-        """Those that are registered for the routes of ``schema``; raises as :func:`runtime.loop.registry.load_proposers`."""
+        """Those that are registered for the routes of ``schema``; raises as ``load_proposers``."""
         from runtime.loop.registry import load_proposers  # noqa: PLC0415 - as above
 
         return load_proposers(schema, chosen)

@@ -18,7 +18,7 @@ _CACHES = ("XDG_CACHE_HOME", "NUMBA_CACHE_DIR")
 def demo_seconds() -> Mapping[str, float]:
     """Seconds of ``onto demo``, pictures included, from start to end of its process: ``demo_first_s``, ``demo_warm_s``.
 
-    The first run has empty caches: of scenes, of compiled code, of the renderer's shaders; the second those of the first.
+    The first run has empty caches (scenes, compiled code, the renderer's shaders); the second has those of the first.
     ``demo_first_cpu_s`` and ``demo_warm_cpu_s`` are processor time, which a neighbour's load is not charged to.
 
     Raises:

@@ -46,8 +46,8 @@ def read_rules(store: Store) -> tuple[Rule, ...]:
     """Every rule in ``store`` that is not deactivated, in the order in which they run.
 
     Raises:
-        OntoError: SHP002, where a rule is of a kind that is not known or lacks a part; QRY001 to QRY003, where its query
-            must not be asked.
+        OntoError: SHP002, where a rule is of a kind that is not known or lacks a part; QRY001 to QRY003, where its
+            query must not be asked.
     """
     graph = Graph.of_store(store)
     try:

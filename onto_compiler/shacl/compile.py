@@ -148,6 +148,14 @@ class Compiler:
         raise ShapeFault("the sh:target has no sh:select", node, "target", target)
 
 
+def _candidates(graph: Graph) -> list[Term]:
+    """Every node that is declared as a shape or has a target."""
+    found: set[Term] = {node for kind in _SHAPES for node in graph.instances(kind)}
+    for name in (*_TARGETS, "target"):
+        found.update(graph.holders(NamedNode(SH + name)))
+    return sorted(found, key=str)
+
+
 def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shapes:
     """Every shape of ``graph`` that has a target. Shapes that cannot run are left out and appended to ``faults``.
 
@@ -162,11 +170,8 @@ def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shape
         if faults is None:
             raise refused
         faults.append(refused)
-    candidates: set[Term] = {node for kind in _SHAPES for node in graph.instances(kind)}
-    for name in (*_TARGETS, "target"):
-        candidates.update(graph.holders(NamedNode(SH + name)))
     roots = []
-    for node in sorted(candidates, key=str):
+    for node in _candidates(graph):
         try:
             if isinstance(node, Literal) or not any(True for _ in compiler.targets(node)):
                 continue

@@ -31,7 +31,7 @@ QUIET = [
     'SELECT * { ?s <http://example.org/service> "SERVICE <URL> {" } # SERVICE <URL> { }',
     "SELECT ?service $SERVICE { ?service ?p '''a\nSERVICE <URL> {''' }",
     PREFIX + "SELECT * { GRAPH service:graph { ?s service:SERVICE service:object } }",
-    PREFIX + "SELECT * FROM service:graph { ?s ?p ?o }",
+    PREFIX + "SELECT * FROM service:graph { ?s ?p ?o }",  # noqa: S608 - SPARQL
     "SELECT * { ?s ?p 'a'@service-desk ; <urn:service:x> _:service }",
 ]
 

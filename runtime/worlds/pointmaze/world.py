@@ -58,7 +58,11 @@ class PointMaze:
 
         return OpenMaze(ref, required, schema, seed)
 
-    def proposers(self, schema: Schema, chosen: Mapping[str, str] | None = None) -> Mapping[str, Proposer]:
+    def proposers(
+        self,
+        schema: Schema,  # noqa: ARG002  there is none to choose
+        chosen: Mapping[str, str] | None = None,  # noqa: ARG002  as above
+    ) -> Mapping[str, Proposer]:
         """None: what corrects a plan is a mechanism of :mod:`runtime.planning`."""
         return {}
 

@@ -33,7 +33,8 @@ ex:S a sh:NodeShape ; sh:target [ a ex:T ] .""",
     "unused validator": f"""ex:C a sh:ConstraintComponent ; sh:parameter [ sh:path ex:p ] ;
     sh:propertyValidator [ a sh:SPARQLSelectValidator ; sh:select "SELECT * {{ $this $PATH ?v . {CALL} }}" ] .
 {SHAPE} sh:nodeKind sh:IRI .""",
-    "rule": f"""{SHAPE} sh:rule [ a sh:SPARQLRule ; sh:construct "CONSTRUCT {{ $this a ex:B }} WHERE {{ {CALL} }}" ] .""",
+    "rule": f"""{SHAPE}
+    sh:rule [ a sh:SPARQLRule ; sh:construct "CONSTRUCT {{ $this a ex:B }} WHERE {{ {CALL} }}" ] .""",
     "prefix": f"""ex: sh:declare [ sh:prefix "x" ; sh:namespace "http://x> SELECT * {{ {CALL} }} #" ] .
 {SHAPE} sh:sparql [ sh:prefixes ex: ; sh:select "# nothing" ] .""",
 }

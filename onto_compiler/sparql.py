@@ -1,7 +1,7 @@
 """What a person's query must not do: reach the network, change what is stored, or ask for graphs that are not here.
 
 Oxigraph calls the endpoint of a ``SERVICE`` as soon as a query is asked, and it accepts the keyword without a space
-after it (``SERVICE:x``, ``SERVICESILENT<x>``), so that cutting the text into tokens decides nothing. Its own parser does:
+after it (``SERVICE:x``, ``SERVICESILENT<x>``), so that cutting the text into tokens decides nothing. Its parser does:
 where a query still parses with the word spelled differently wherever it occurs, no occurrence was the keyword.
 """
 

@@ -69,9 +69,8 @@ def seen(place, fingers=(0.0, 0.0)):
     mujoco.mj_forward(SCENE.model, data)
     observation = GROUNDER.observe(data)
     assert np.array_equal(GROUNDER.truth(data), observation.truth)
-    return dict(
-        zip((each.grounded_by for each in FACTS), zip(observation.truth, observation.margin, strict=True), strict=True)
-    )
+    names = (each.grounded_by for each in FACTS)
+    return dict(zip(names, zip(observation.truth, observation.margin, strict=True), strict=True))
 
 
 @given(st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.floats(0.5, 1.2)))
@@ -90,14 +89,9 @@ def test_height_distance_and_box_are_their_formulas(place):
 
 
 def test_both_pads_make_a_grasp():
-    assert [
-        bool(seen((0, 0, 0.9), fingers)["grasped"][0]) for fingers in ((0, 0), (0.02, 0), (0, 0.02), (0.02, 0.02))
-    ] == [
-        False,
-        False,
-        False,
-        True,
-    ]
+    closings = ((0, 0), (0.02, 0), (0, 0.02), (0.02, 0.02))
+    held = [bool(seen((0, 0, 0.9), fingers)["grasped"][0]) for fingers in closings]
+    assert held == [False, False, False, True]
     assert seen((0, 0, 0.9))["grasped"][1] == pytest.approx(-0.01, abs=1e-6)
 
 

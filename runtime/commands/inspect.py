@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import asdict
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
 from runtime.commands.options import add_state, add_task, chosen_state
@@ -31,11 +30,12 @@ def _configure_diagnose(parser: argparse.ArgumentParser) -> None:
 def _ground(options: argparse.Namespace) -> int:
     from runtime.commands.tasks import ground  # noqa: PLC0415 - heavy imports wait for the command to run
     from runtime.loop.records import state_name  # noqa: PLC0415
+    from runtime.trace.rows import GROUNDING  # noqa: PLC0415
     from runtime.wording import amount  # noqa: PLC0415
 
     found = ground(options.task, state=chosen_state(options), ontology=options.ontology, seed=options.seed)
     if options.format == "json":
-        print_json(asdict(found))
+        print_json(GROUNDING.of(found))
         return CLEAN
     lines = [f"{found.task}, {state_name(found.state)}, after settling"]
     for heading, facts in (("goal", found.facts), ("premise", found.premise)):
@@ -58,13 +58,14 @@ def _ground(options: argparse.Namespace) -> int:
 def _diagnose(options: argparse.Namespace) -> int:
     from runtime.commands.tasks import diagnose  # noqa: PLC0415 - as above
     from runtime.loop.records import state_name  # noqa: PLC0415
+    from runtime.trace.rows import DIAGNOSES  # noqa: PLC0415
     from runtime.wording import amount  # noqa: PLC0415
 
     found = diagnose(options.task, state=chosen_state(options), ontology=options.ontology, seed=options.seed)
     rows = found.diagnoses
     if options.format == "json":
-        record = {"task": found.task, "state": found.state, "diagnoses": [asdict(row) for row in rows]}
-        print_json(record | ({"alternatives": found.alternatives} if options.alternatives else {}))
+        shown = DIAGNOSES if options.alternatives else DIAGNOSES.pick("task", "state", "diagnoses")
+        print_json(shown.of(found))
         return FINDINGS if rows else CLEAN
     lines = [f"{found.task}, {state_name(found.state)}: {len(rows) or 'no'} unmet of {found.required} required"]
     if len(found.alternatives) > 1:

@@ -14,7 +14,7 @@ from onto_compiler.required import RequiredABox
 from runtime.loop.correction import CorrectionLoop
 from runtime.loop.diagnosis import satisfied
 from runtime.loop.proposer import Proposer
-from runtime.loop.records import Attempt, Episode
+from runtime.loop.records import Attempt, Episode, state_digest
 from runtime.worlds.environment import TaskEnvironment
 from runtime.worlds.required import required_of
 from runtime.worlds.world import TaskRef, World
@@ -68,10 +68,10 @@ class EpisodeRunner:
             OntoError: as :meth:`start`.
         """
         self.start(state_index, state)
-        return self.correct(state_index, report)
+        return self.correct(state_index, report, given="" if state is None else state_digest(state))
 
-    def correct(self, state_index: int, report: Callable[[Attempt], None] | None = None) -> Episode:
-        """Run the loop on the present state, which :meth:`start` left.
+    def correct(self, state_index: int, report: Callable[[Attempt], None] | None = None, *, given: str = "") -> Episode:
+        """Run the loop on the present state, which :meth:`start` left; ``given`` is the digest of one of your own.
 
         Raises ``RUN004`` where the world's failures are corrected in plans.
         """
@@ -102,6 +102,7 @@ class EpisodeRunner:
                 *self.environment.versions().items(),
                 *((("reason", correction.reason),) if correction.reason else ()),
             ),
+            given=given,
         )
 
     def start(self, state_index: int, state: ArrayLike | None = None) -> None:

@@ -46,7 +46,7 @@ class Protocol:
     processes there might be. ``parts`` names the field of a trial by whose values the protocol can be run part by part
     (``onto bench NAME --part VALUE``). ``timed`` names the fields of a row that differ from run to run: times and
     memory. ``of_tree`` names those that follow from this tree's own ontology and examples, which the trials take as
-    their input: another commit has others. ``result`` is the name of the published file, where it is not the protocol's.
+    their input: another commit has others. ``result`` is the name of the published file, if not the protocol's.
     """
 
     name: str

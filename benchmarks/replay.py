@@ -113,7 +113,7 @@ def _same(old: Any, new: Any) -> bool:  # noqa: ANN401 - JSON
 
 
 def compared(before: Sequence[Row], after: Sequence[Row]) -> Iterator[Mapping[str, Any]]:
-    """Each published field in which two runs' rows differ, by the row's number; a missing row differs in being there."""
+    """Each published field in which two runs' rows differ, by the row's number; a missing row is named as well."""
     if len(before) != len(after):
         yield {"row": min(len(before), len(after)), "field": "rows", "published": len(before), "now": len(after)}
     for number, (old, new) in enumerate(zip(before, after, strict=False)):

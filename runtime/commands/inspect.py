@@ -7,7 +7,7 @@ import sys
 from typing import Any
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
-from runtime.commands.options import add_state, add_task
+from runtime.commands.options import add_state, add_task, settled_words
 
 __all__ = ["DIAGNOSE", "GROUND"]
 
@@ -37,10 +37,15 @@ def _ground(options: argparse.Namespace) -> int:
 
     with task_runner(options) as runner:
         start, state = start_of(options)
-        runner.start(start, state)
+        steps = runner.start(start, state, settle=options.settle)
         schema, required = runner.knowledge.schema, runner.required
         verdict = runner.environment.verify().outcome if runner.environment.judged else None
-        record: dict[str, Any] = {"suite": runner.ref.suite, "task": required.task, "state": start}
+        record: dict[str, Any] = {
+            "suite": runner.ref.suite,
+            "task": required.task,
+            "state": start,
+            "settle_steps": steps,
+        }
         for part, facts, observation in (
             ("facts", required.facts, runner.environment.observe()),
             ("premise", required.premise, runner.environment.observe_premise()),
@@ -66,7 +71,7 @@ def _ground(options: argparse.Namespace) -> int:
     if options.format == "json":
         print_json(record)
         return CLEAN
-    lines = [f"{record['task']}, {state_name(start)}, after settling"]
+    lines = [f"{record['task']}, {state_name(start)}, {settled_words(steps)}"]
     for part, heading in (("facts", "goal"), ("premise", "premise")):
         lines.append(f"  {heading}")
         for row in record[part]:
@@ -93,7 +98,7 @@ def _diagnose(options: argparse.Namespace) -> int:
 
     with task_runner(options) as runner:
         start, state = start_of(options)
-        runner.start(start, state)
+        steps = runner.start(start, state, settle=options.settle)
         knowledge, required = runner.knowledge, runner.required
         observation = runner.environment.observe()
         ways = by_distance(required, observation)
@@ -122,12 +127,13 @@ def _diagnose(options: argparse.Namespace) -> int:
         for d in found
     ]
     if options.format == "json":
-        record: dict[str, Any] = {"task": task, "state": start, "diagnoses": rows}
+        record: dict[str, Any] = {"task": task, "state": start, "settle_steps": steps, "diagnoses": rows}
         if options.alternatives:
             record["alternatives"] = [[atom(d.fact, schema) for d in each] for each in ranked]
         print_json(record)
     else:
-        lines = [f"{task}, {state_name(start)}: {len(rows) or 'no'} unmet of {len(ways[0])} required"]
+        heading = f"{task}, {state_name(start)}, {settled_words(steps)}"
+        lines = [f"{heading}: {len(rows) or 'no'} unmet of {len(ways[0])} required"]
         if len(ways) > 1:
             lines[0] += f", by the nearest of {len(ways)} alternatives"
         for diagnosis, row in zip(found, rows, strict=True):

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-__all__ = ["add_budget", "add_state", "add_task"]
+__all__ = ["add_budget", "add_state", "add_task", "settled_words"]
 
 
 class _InSuite(argparse.Action):
@@ -40,6 +40,28 @@ def add_state(parser: argparse.ArgumentParser) -> None:
         "--state-file", type=Path, metavar="FILE.npy", help="start from your own flat state instead: time, qpos, qvel"
     )
     parser.add_argument("--seed", type=int, default=0, help="places the fixtures (default 0)")
+    parser.add_argument(
+        "--settle",
+        type=_steps,
+        metavar="N",
+        help="control steps without motion before the start is judged (default: 10 for an official initial state, "
+        "0 for your own)",
+    )
+
+
+def settled_words(steps: int) -> str:
+    """How a start was settled, for a heading."""
+    return f"settled for {steps} step{'' if steps == 1 else 's'}" if steps else "not settled"
+
+
+def _steps(text: str) -> int:
+    try:
+        steps = int(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"`{text}` is not a number of control steps") from error
+    if steps < 0:
+        raise argparse.ArgumentTypeError(f"{steps} control steps; there can be none, or more")
+    return steps
 
 
 def add_budget(parser: argparse.ArgumentParser) -> None:

@@ -18,6 +18,7 @@ from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
 from runtime.commands.opening import start_of
+from runtime.commands.options import settled_words
 from runtime.loop.records import GIVEN
 from runtime.report.filmstrip import moments, write_film
 from runtime.trace.narrate import narrate
@@ -50,7 +51,9 @@ def play(options: argparse.Namespace) -> int:
         horizon = horizon_of(stage.ref.suite) if options.horizon is None else options.horizon
         start, state = start_of(options)
         with Console(stderr=True).status("playing"):
-            performance = stage.perform(start, horizon, state=state, look_ahead=options.look_ahead)
+            performance = stage.perform(
+                start, horizon, state=state, settle=options.settle, look_ahead=options.look_ahead
+            )
         if store is not None:
             _record(options.out, store, performance)
     episode, schema = performance.episode, stage.knowledge.schema
@@ -127,3 +130,4 @@ def _story(performance: EpisodeRecord, schema: Schema) -> Iterator[str]:
         f"  {settings['control_steps']} of {settings['horizon']} control steps in {attempts} "
         f"attempt{'' if attempts == 1 else 's'}, {settings['play']} play; {settings['rehearsed_steps']} rehearsed"
     )
+    yield f"  The start was {settled_words(settings['start_settle_steps'])}."

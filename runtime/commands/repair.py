@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
-from runtime.commands.options import add_budget, add_state, add_task
+from runtime.commands.options import add_budget, add_state, add_task, settled_words
 
 __all__ = ["REPAIR"]
 
@@ -30,7 +30,7 @@ def _run(options: argparse.Namespace) -> int:
     from runtime.trace.summary import episode_summary  # noqa: PLC0415
 
     with task_runner(options) as runner:
-        episode = runner.run(*start_of(options))
+        episode = runner.run(*start_of(options), settle=options.settle)
         schema = runner.knowledge.schema
     if options.out is not None:
         with TraceStore(options.out / "store", schema, "repair", ontology=options.ontology) as store:
@@ -39,7 +39,9 @@ def _run(options: argparse.Namespace) -> int:
     if options.format == "json":
         print_json(episode_summary(episode, schema))
     else:
-        sys.stdout.write("\n".join(narrate(episode, schema)) + "\n")
+        settings = dict(episode.provenance)
+        lines = [*narrate(episode, schema), f"  The start was {settled_words(settings['start_settle_steps'])}."]
+        sys.stdout.write("\n".join(lines) + "\n")
     return CLEAN if episode.accepted else FINDINGS
 
 

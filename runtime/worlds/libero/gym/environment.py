@@ -75,7 +75,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             state_index: The official initial state to start from, where a reset names none.
             advance: How many states a reset that names none goes on, or ``"random"``; 0 keeps the one asked for.
             exact: Step bit for bit as the native environment does, at a third of the speed.
-            settle: Control steps without motion after a reset; they do not count.
+            settle: Control steps without motion after a reset to an official state; they do not count.
             horizon: Control steps until ``truncated``, where the suite's own are not wanted.
             observables: The low-dimensional keys to observe, where not all are wanted.
             timing: ``"libero"`` observes one substep before the end of a step, as LIBERO does after a reset;
@@ -102,14 +102,14 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         self.render_mode = render_mode
         self._ref = chosen_task(task, suite, index)
         self.horizon = horizon_of(self._ref.suite) if horizon is None else horizon
-        self._settle, self._timing = settle, timing
+        self._timing = timing
         knowledge = load_knowledge(*ontology)
         required = required_of(self._ref, knowledge)
         self.language = required.language
         drawing = images or render_mode is not None
         scene = compile_scene(self._ref.bddl, scene_seed, pictures=drawing)
         self._simulation = Simulation(scene, exact=exact)
-        self._starts = Starts(self._ref, self._simulation.flat_state, state_index, advance)
+        self._starts = Starts(self._ref, self._simulation.flat_state, state_index, advance, settle)
         spec = parse_file(self._ref.bddl)
         self._observer = Observer(scene, [declared.name for declared in spec.objects], observables)
         self._reporter = FactReporter(scene.index, required, knowledge)
@@ -135,9 +135,11 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         """Start an episode from ``options["state_index"]``, or a flat ``options["state"]`` (1 + nq + nv,).
 
         Without either, ``seed`` s is a trial: it starts from official state s modulo their number. Without a seed, too,
-        the state last asked for is taken again, or what ``advance`` makes of it. Raises ``SIM017`` for a state that the
-        task does not have, ``SIM030`` for an unknown option, ``SIM003``, ``SIM004`` for a state of another scene, and
-        ``SIM019`` where it diverges while it settles.
+        the state last asked for is taken again, or what ``advance`` makes of it. A state of your own is judged as it is,
+        unless ``options["settle"]`` gives it control steps without motion first.
+
+        Raises ``SIM017`` for a state that the task does not have, ``SIM030`` for an unknown option, ``SIM003``,
+        ``SIM004`` for a state of another scene, and ``SIM019`` where it diverges while it settles.
         """
         super().reset(seed=seed)
         start = self._starts.choose(self._start, self.np_random, seed, options or {})
@@ -147,10 +149,10 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         if self._burners is not None:
             self._burners.reset()
             self._burners.update(simulation.data)
-        if not self._settle:
+        if not start.settle:
             self._observe(simulation.data)
         try:
-            for left in reversed(range(self._settle)):
+            for left in reversed(range(start.settle)):
                 self._go(DUMMY_ACTION, look=left == 0)
         except RunFault as fault:
             message = f"the simulation of `{self._ref.name}` diverged while its state settled"
@@ -210,5 +212,6 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             "suite": self._ref.suite,
             "language": self.language,
             "state_index": -1 if self._start is None else self._start.index,
+            "settle_steps": 0 if self._start is None else self._start.settle,
             "step": self._steps,
         }

@@ -23,10 +23,20 @@ from runtime.worlds.libero.loop.environment import NativeEnvironment
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.native import NativeTask, versions
 
-__all__ = ["BUDGET", "PREMISE_STEPS", "EpisodeRunner", "required_of"]
+__all__ = ["BUDGET", "PREMISE_STEPS", "EpisodeRunner", "required_of", "settling"]
 
 BUDGET = 8  # attempts; see benchmarks/state_repair.py for what fewer would cost
 PREMISE_STEPS = 10  # official initial states hang above the table: the field settles them by ten steps without motion
+
+
+def settling(state: ArrayLike | None, asked: int | None = None) -> int:
+    """Control steps without motion before a start is judged: those ``asked`` for, if any.
+
+    An official initial state (None) otherwise takes :data:`PREMISE_STEPS`, and one that was given is judged as it is.
+    """
+    if asked is not None:
+        return asked
+    return PREMISE_STEPS if state is None else 0
 
 
 def required_of(ref: TaskRef, knowledge: Knowledge, *, ordered: bool = False) -> RequiredABox:
@@ -71,18 +81,25 @@ class EpisodeRunner:
         return cls(ref, task, required, environment, knowledge, loop, fresh)
 
     def run(
-        self, state_index: int, state: ArrayLike | None = None, report: Callable[[Attempt], None] | None = None
+        self,
+        state_index: int,
+        state: ArrayLike | None = None,
+        report: Callable[[Attempt], None] | None = None,
+        *,
+        settle: int | None = None,
     ) -> Episode:
-        """Start from the official initial state ``state_index`` (or a flat ``state``, then GIVEN), settle, and correct.
+        """Start from the official initial state ``state_index`` (or a flat ``state``, then GIVEN), and correct.
 
         Raises:
             OntoError: as :meth:`start`.
         """
-        self.start(state_index, state)
-        return self.correct(state_index, report)
+        steps = self.start(state_index, state, settle=settle)
+        return self.correct(state_index, report, settled=steps)
 
-    def correct(self, state_index: int, report: Callable[[Attempt], None] | None = None) -> Episode:
-        """Run the loop on the present state, which :meth:`start` left."""
+    def correct(
+        self, state_index: int, report: Callable[[Attempt], None] | None = None, *, settled: int = PREMISE_STEPS
+    ) -> Episode:
+        """Run the loop on the present state, which :meth:`start` left after ``settled`` control steps."""
         premise = self.environment.observe_premise()
         unmet = evidence_status(self.required.premise, premise) != STATUSES.index(SATISFIED)
         correction = self.loop.run(
@@ -101,19 +118,23 @@ class EpisodeRunner:
             final=correction.final,
             outcome=correction.outcome,
             verification=correction.verification,
-            provenance=tuple(versions().items()),
+            provenance=(*versions().items(), ("start_settle_steps", settled)),
         )
 
-    def start(self, state_index: int, state: ArrayLike | None = None) -> None:
-        """Write the initial state and let it settle. A task without official states has one: its seeded reset.
+    def start(self, state_index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
+        """Write the initial state and let it settle; gives the number of control steps, see :func:`settling`.
+
+        A task without official states has one: its seeded reset.
 
         Raises:
             OntoError: ``SIM017``, where the task has no such initial state; ``SIM019``, where it diverges.
         """
+        steps = settling(state, settle)
         self.task.reset_to(self._official(state_index) if state is None else state)
-        self.task.settle(PREMISE_STEPS)
+        self.task.settle(steps)
         if self.task.diverged:
             raise OntoError.of("SIM019", f"the simulation of `{self.ref.name}` diverged while its state settled")
+        return steps
 
     def knowing(self, knowledge: Knowledge) -> EpisodeRunner:
         """The same scene and budget under other rules."""

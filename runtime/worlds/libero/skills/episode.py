@@ -24,7 +24,7 @@ from runtime.loop.diagnosis import diagnose_goal, evidence_status, unmet
 from runtime.loop.faults import RunFault
 from runtime.loop.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
 from runtime.loop.routing import route_or_none
-from runtime.worlds.libero.loop.episodes import PREMISE_STEPS
+from runtime.worlds.libero.loop.episodes import settling
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import CompiledScene
 from runtime.worlds.libero.simulator.native import versions
@@ -102,11 +102,13 @@ class EpisodePlayer:
         horizon: int,
         *,
         state: ArrayLike | None = None,
+        settle: int | None = None,
         look_ahead: bool = False,
         report: Callable[[Attempt], None] | None = None,
     ) -> EpisodeRecord:
-        """Start from official initial state ``state_index`` (or, GIVEN, a flat ``state``), settle, play, and record.
+        """Start from official initial state ``state_index`` (or, GIVEN, a flat ``state``), play, and record.
 
+        ``settle`` is how many control steps without motion come first, where :func:`settling`'s are not wanted.
         ``report`` is called with each attempt as soon as it is recorded.
 
         Raises:
@@ -115,8 +117,9 @@ class EpisodePlayer:
         """
         sim = _Watched(self.scene, exact=True)
         sim.reset_to(self._official(sim, state_index) if state is None else state)
+        steps = settling(state, settle)
         try:
-            sim.settle(PREMISE_STEPS)
+            sim.settle(steps)
         except RunFault as fault:
             raise OntoError.of("SIM019", f"`{self.ref.name}` diverged while its state settled: {fault}") from fault
         start = sim.snapshot()
@@ -131,6 +134,7 @@ class EpisodePlayer:
             "horizon": horizon,
             "control_steps": self.replay.steps,
             "rehearsed_steps": played.rehearsed,
+            "start_settle_steps": steps,
         }
         unmet_premise = evidence_status(self.required.premise, take.premise) != STATUSES.index(SATISFIED)
         outcome, verification = take.end()

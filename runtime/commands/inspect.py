@@ -30,7 +30,7 @@ def _configure_diagnose(parser: argparse.ArgumentParser) -> None:
 
 def _ground(options: argparse.Namespace) -> int:
     from onto_compiler.tables import SATISFIED, STATUSES  # noqa: PLC0415 - heavy imports wait for the command to run
-    from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415
+    from runtime.commands.opening import start_of, task_runner, uncertain_lines, uncertain_rows  # noqa: PLC0415
     from runtime.loop.diagnosis import evidence_status  # noqa: PLC0415
     from runtime.loop.records import state_name  # noqa: PLC0415
     from runtime.wording import amount, atom, short_name, unit_of  # noqa: PLC0415
@@ -45,6 +45,8 @@ def _ground(options: argparse.Namespace) -> int:
             "task": required.task,
             "state": start,
             "settle_steps": steps,
+            "fixtures": runner.placed or None,
+            "uncertain": uncertain_rows(runner, start),
         }
         for part, facts, observation in (
             ("facts", required.facts, runner.environment.observe()),
@@ -85,12 +87,13 @@ def _ground(options: argparse.Namespace) -> int:
         None: "LIBERO cannot judge",
     }
     lines.append(f"  {says[verdict]}")
+    lines += uncertain_lines(record["uncertain"])
     sys.stdout.write("\n".join(lines) + "\n")
     return CLEAN
 
 
 def _diagnose(options: argparse.Namespace) -> int:
-    from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415 - as above
+    from runtime.commands.opening import start_of, task_runner, uncertain_lines, uncertain_rows  # noqa: PLC0415
     from runtime.loop.diagnosis import by_distance, diagnose_goal, select  # noqa: PLC0415
     from runtime.loop.records import state_name  # noqa: PLC0415
     from runtime.loop.routing import route  # noqa: PLC0415
@@ -107,6 +110,7 @@ def _diagnose(options: argparse.Namespace) -> int:
             for rank in range(len(ways) if options.alternatives else 1)
         ]
         found, task = ranked[0], required.task
+        uncertain = uncertain_rows(runner, start)
     schema = knowledge.schema
     first = select(found).index if found else -1
     rows = [
@@ -127,7 +131,14 @@ def _diagnose(options: argparse.Namespace) -> int:
         for d in found
     ]
     if options.format == "json":
-        record: dict[str, Any] = {"task": task, "state": start, "settle_steps": steps, "diagnoses": rows}
+        record: dict[str, Any] = {
+            "task": task,
+            "state": start,
+            "settle_steps": steps,
+            "fixtures": runner.placed or None,
+            "uncertain": uncertain,
+            "diagnoses": rows,
+        }
         if options.alternatives:
             record["alternatives"] = [[atom(d.fact, schema) for d in each] for each in ranked]
         print_json(record)
@@ -146,6 +157,7 @@ def _diagnose(options: argparse.Namespace) -> int:
             ]
         for rank, each in enumerate(ranked[1:], 2):
             lines.append(f"  alternative {rank}: {', '.join(atom(d.fact, schema) for d in each) or 'nothing unmet'}")
+        lines += uncertain_lines(uncertain)
         sys.stdout.write("\n".join(lines) + "\n")
     return FINDINGS if rows else CLEAN
 

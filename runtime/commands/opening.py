@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,10 +16,12 @@ from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.loop.records import GIVEN
 from runtime.loop.registry import load_proposers
+from runtime.worlds.libero.demos.fixtures import fixtures_of
 from runtime.worlds.libero.loop.episodes import EpisodeRunner
+from runtime.worlds.libero.loop.uncertain import uncertain_line, uncertain_row
 from runtime.worlds.libero.simulator.assets import named_task
 
-__all__ = ["start_of", "task_runner"]
+__all__ = ["start_of", "task_runner", "uncertain_lines", "uncertain_rows"]
 
 
 @contextmanager
@@ -32,6 +35,8 @@ def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         runner = EpisodeRunner.open(ref, knowledge, proposers, options.seed, budget)
     try:
+        if options.model is not None:
+            runner = runner.placing(fixtures_of(options.model, runner.task.model), options.model)
         yield runner
     finally:
         runner.close()
@@ -45,6 +50,17 @@ def start_of(options: argparse.Namespace) -> tuple[int, NDArray[np.float64] | No
     """
     path: Path | None = options.state_file
     return (options.state, None) if path is None else (GIVEN, _read(path))
+
+
+def uncertain_rows(runner: EpisodeRunner, start: int) -> list[dict[str, Any]]:
+    """The required facts whose verdict hangs on where fixtures stand, where neither --model nor --seed says it."""
+    return [uncertain_row(each, runner.knowledge.schema) for each in runner.uncertain(start)]
+
+
+def uncertain_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The same for people."""
+    how = "  --model FILE or --seed N says where fixtures stand"
+    return [*(f"  {uncertain_line(row)}" for row in rows), how] if rows else []
 
 
 def _read(path: Path) -> NDArray[np.float64]:

@@ -39,7 +39,14 @@ def add_state(parser: argparse.ArgumentParser) -> None:
     start.add_argument(
         "--state-file", type=Path, metavar="FILE.npy", help="start from your own flat state instead: time, qpos, qvel"
     )
-    parser.add_argument("--seed", type=int, default=0, help="places the fixtures (default 0)")
+    placed = parser.add_mutually_exclusive_group()
+    placed.add_argument("--seed", type=int, help="places the fixtures, as LIBERO's reset does after it (default 0)")
+    placed.add_argument(
+        "--model",
+        metavar="FILE",
+        help="the fixtures stand as in this file: MJCF that was saved from the scene, or demonstrations in HDF5 "
+        "(FILE.hdf5/demo_3 for one of them)",
+    )
     parser.add_argument(
         "--settle",
         type=_steps,

@@ -24,6 +24,7 @@ from runtime.report.filmstrip import moments, write_film
 from runtime.trace.narrate import narrate
 from runtime.trace.store import TraceStore
 from runtime.trace.summary import episode_summary
+from runtime.worlds.libero.demos.fixtures import fixtures_of
 from runtime.worlds.libero.loop.episodes import required_of
 from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.simulator.assets import named_task
@@ -72,12 +73,14 @@ def _stage(options: argparse.Namespace, knowledge: Knowledge) -> Iterator[Episod
     ref = named_task(options.task)
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         required = required_of(ref, knowledge, ordered=True)
-        scene = compile_scene(ref.bddl, options.seed)
+        scene = compile_scene(ref.bddl, options.seed or 0)
+        if options.model is not None:
+            scene = scene.placing(fixtures_of(options.model, scene.model))
         player = Player(scene, required, knowledge)
         if options.candidates == "offset-grid":
             grid = OffsetGrid(knowledge.schema)
             player.skills = {name: grid if isinstance(each, Carrying) else each for name, each in player.skills.items()}
-        replay = NativeReplay(NativeTask.open(ref, options.seed), required, knowledge.schema)
+        replay = NativeReplay(NativeTask.open(ref, scene.seed), required, knowledge.schema)
     with replay:
         yield EpisodePlayer(ref, required, knowledge, scene, player, replay, options.candidates.replace("-", "_"))
 

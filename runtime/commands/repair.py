@@ -24,23 +24,26 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from runtime.commands.opening import start_of, task_runner  # noqa: PLC0415 - heavy imports wait for the run
+    from runtime.commands.opening import start_of, task_runner, uncertain_lines, uncertain_rows  # noqa: PLC0415 - heavy imports wait for the run
     from runtime.trace.narrate import narrate  # noqa: PLC0415
     from runtime.trace.store import TraceStore  # noqa: PLC0415
     from runtime.trace.summary import episode_summary  # noqa: PLC0415
 
     with task_runner(options) as runner:
-        episode = runner.run(*start_of(options), settle=options.settle)
+        start, state = start_of(options)
+        steps = runner.start(start, state, settle=options.settle)
+        uncertain = uncertain_rows(runner, start)
+        episode = runner.correct(start, settled=steps)
         schema = runner.knowledge.schema
     if options.out is not None:
         with TraceStore(options.out / "store", schema, "repair", ontology=options.ontology) as store:
             store.add(episode)
             store.export_trig(options.out / "trace.trig")
     if options.format == "json":
-        print_json(episode_summary(episode, schema))
+        print_json({**episode_summary(episode, schema), "settle_steps": steps, "uncertain": uncertain})
     else:
-        settings = dict(episode.provenance)
-        lines = [*narrate(episode, schema), f"  The start was {settled_words(settings['start_settle_steps'])}."]
+        told = [*narrate(episode, schema), f"  The start was {settled_words(steps)}."]
+        lines = [*told, *uncertain_lines(uncertain)]
         sys.stdout.write("\n".join(lines) + "\n")
     return CLEAN if episode.accepted else FINDINGS
 

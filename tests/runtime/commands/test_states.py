@@ -33,7 +33,7 @@ def falling(tmp_path_factory):
         bowl = index.get_joint_qpos_addr("akita_black_bowl_1_joint0")[0]
         plate = index.get_joint_qpos_addr("plate_1_joint0")[0]
         qpos = native.data.qpos.copy()
-        qpos[bowl : bowl + 3] = qpos[plate : plate + 3] + [0.0, 0.0, ABOVE]
+        qpos[bowl : bowl + 3] = np.add(qpos[plate : plate + 3], [0.0, 0.0, ABOVE])
         native.write_qpos(qpos)
         state = np.concatenate([[native.data.time], native.data.qpos, native.data.qvel])
         assert not native.success()

@@ -16,10 +16,11 @@ from onto_compiler.bddl.parse import parse_file
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.loop.faults import RunFault
-from runtime.worlds.libero.gym.facts import FactReporter
+from runtime.worlds.libero.gym.facts import FactReporter, GoalReport
 from runtime.worlds.libero.gym.starts import Advance, Start, Starts
 from runtime.worlds.libero.gym.stove_lights import StoveLights
 from runtime.worlds.libero.loop.episodes import PREMISE_STEPS, required_of
+from runtime.worlds.libero.loop.uncertain import Placements, uncertain_row
 from runtime.worlds.libero.scene.horizons import chosen_task, horizon_of
 from runtime.worlds.libero.scene.observations import Observer
 from runtime.worlds.libero.scene.views import CAMERAS, Convention, Views
@@ -63,7 +64,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         fast_render: bool = False,
         render_mode: str | None = None,
         render_camera: str = CAMERAS[0],
-        scene_seed: int = 0,
+        scene_seed: int | None = None,
         ontology: Sequence[str] = (),
     ) -> None:
         """Load the scene of a task from the cache, or compile it in some seconds.
@@ -87,7 +88,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             fast_render: Draw without shadows, reflections and multisampling.
             render_mode: None or ``"rgb_array"``; :meth:`render` then draws ``render_camera``, topmost row first.
             render_camera: The camera that :meth:`render` shows.
-            scene_seed: Places the fixtures, which no initial state describes.
+            scene_seed: Places the fixtures, which no initial state describes; 0 where it is not given.
             ontology: Turtle files of your own, for predicates and rules.
 
         Raises:
@@ -106,11 +107,13 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         knowledge = load_knowledge(*ontology)
         required = required_of(self._ref, knowledge)
         self.language = required.language
+        self._required, self._schema = required, knowledge.schema
         drawing = images or render_mode is not None
-        scene = compile_scene(self._ref.bddl, scene_seed, pictures=drawing)
+        scene = compile_scene(self._ref.bddl, scene_seed or 0, pictures=drawing)
         self._simulation = Simulation(scene, exact=exact)
-        self._starts = Starts(self._ref, self._simulation.flat_state, state_index, advance, settle)
+        self._starts = Starts(self._ref, self._simulation.flat_state, state_index, advance, settle, scene.model)
         spec = parse_file(self._ref.bddl)
+        self._placements = None if scene_seed is not None else Placements(spec, scene.index)
         self._observer = Observer(scene, [declared.name for declared in spec.objects], observables)
         self._reporter = FactReporter(scene.index, required, knowledge)
         self._burners = StoveLights(scene, spec, knowledge.schema) if drawing else None
@@ -135,16 +138,18 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         """Start an episode from ``options["state_index"]``, or a flat ``options["state"]`` (1 + nq + nv,).
 
         Without either, ``seed`` s is a trial: it starts from official state s modulo their number. Without a seed, too,
-        the state last asked for is taken again, or what ``advance`` makes of it. A state of your own is judged as it is,
-        unless ``options["settle"]`` gives it control steps without motion first.
+        the state last asked for is taken again, or what ``advance`` makes of it. A state of your own is judged as it
+        is, unless ``options["settle"]`` gives it control steps without motion first. ``options["model"]`` is a file
+        that says where the fixtures stand: MJCF that was saved from the scene, or demonstrations.
 
         Raises ``SIM017`` for a state that the task does not have, ``SIM030`` for an unknown option, ``SIM003``,
-        ``SIM004`` for a state of another scene, and ``SIM019`` where it diverges while it settles.
+        ``SIM004`` for a state of another scene, ``SIM023`` for a file that does not say it, and
+        ``SIM019`` where it diverges while it settles.
         """
         super().reset(seed=seed)
         start = self._starts.choose(self._start, self.np_random, seed, options or {})
         simulation = self._simulation
-        simulation.reset_to(start.state)
+        simulation.reset_to(start.state, start.fixtures)
         self._start = start  # now that it was fit
         if self._burners is not None:
             self._burners.reset()
@@ -201,6 +206,14 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
     def _observe(self, data: mujoco.MjData) -> None:
         self._seen = {**self._views.look(data), **self._observer.read(data)}
 
+    def _uncertain(self, report: GoalReport) -> tuple[Info, ...]:
+        """The facts whose verdict hangs on where fixtures stand, of which a state of one's own says nothing."""
+        start = self._start
+        if self._placements is None or start is None or start.index >= 0 or start.fixtures is not None:
+            return ()
+        found = self._placements.uncertain(self._required.facts, report.observation, self._simulation.data)
+        return tuple(uncertain_row(each, self._schema) for each in found)
+
     def _info(self) -> Info:
         report = self._reporter.report(self._simulation.data, self._steps)
         return {
@@ -212,6 +225,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             "suite": self._ref.suite,
             "language": self.language,
             "state_index": -1 if self._start is None else self._start.index,
+            "uncertain": self._uncertain(report),
             "settle_steps": 0 if self._start is None else self._start.settle,
             "step": self._steps,
         }

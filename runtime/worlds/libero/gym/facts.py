@@ -30,6 +30,7 @@ Row = dict[str, Any]
 class GoalReport:
     """``success`` is LIBERO's own verdict; ``facts`` speak of the goal; ``failures`` diagnose what of it is unmet."""
 
+    observation: Observation
     success: bool
     facts: tuple[Row, ...]
     failures: tuple[Row, ...]
@@ -69,7 +70,7 @@ class FactReporter:
             }
             for found in diagnose_goal(required, observation, knowledge.tables)
         )
-        return GoalReport(success, self._rows(self._constant, required.facts, observation), failures)
+        return GoalReport(observation, success, self._rows(self._constant, required.facts, observation), failures)
 
     def premise(self, data: mujoco.MjData) -> tuple[Row, ...]:
         """The facts that the task declares of its start, in the same form."""

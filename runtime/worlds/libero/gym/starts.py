@@ -6,38 +6,46 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError, near
+from runtime.worlds.libero.demos.fixtures import fixtures_of
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
+from runtime.worlds.libero.simulator.fixtures import FixturePoses
 
 __all__ = ["Advance", "Start", "Starts"]
 
 Advance: TypeAlias = int | Literal["random"]
-_OPTIONS = ("state_index", "state", "settle")
+_OPTIONS = ("state_index", "state", "settle", "model")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
     """A flat ``state`` (1 + nq + nv,), and which official one that is; -1 for a state of one's own.
 
-    ``settle`` control steps without motion follow it before it is judged.
+    ``settle`` control steps without motion follow it before it is judged. ``fixtures`` stand where a file says, or
+    where the scene's seed has placed them.
     """
 
     index: int
     state: NDArray[np.float64]
     settle: int
+    fixtures: FixturePoses | None = None
 
 
 class Starts:
     """The official initial states of a task; its seeded reset, ``fresh``, where it has none."""
 
-    def __init__(self, ref: TaskRef, fresh: NDArray[np.float64], index: int, advance: Advance, settle: int) -> None:
+    def __init__(
+        self, ref: TaskRef, fresh: NDArray[np.float64], index: int, advance: Advance, settle: int, model: mujoco.MjModel
+    ) -> None:
         """Read the states; raises ``SIM017`` where ``index`` is none of them, ``SIM030`` for another ``advance``."""
         if advance != "random" and (not isinstance(advance, int) or isinstance(advance, bool)):
             raise OntoError.of("SIM030", f"advance is `{advance}`", "it is a number of states, or random")
         self._name, self._advance, self._settle = ref.name, advance, settle
+        self._model = model
         self._states = initial_states(ref) if ref.initial_states.is_file() else fresh[None]
         self._first = self._official(index)
 
@@ -51,13 +59,16 @@ class Starts:
 
         What ``options`` name goes first, then the trial ``seed``, then ``last``, moved on by ``advance``; a state of
         one's own stays. An official state settles as long as all do, and one's own not at all, unless
-        ``options["settle"]`` says how long. Raises ``SIM017``, ``SIM030``.
+        ``options["settle"]`` says how long; ``options["model"]`` is a file that says where fixtures stand. Raises
+        ``SIM017``, ``SIM030``, and ``SIM023`` for that file.
         """
         for name in options:
             if name not in _OPTIONS:
                 hint = near(name, _OPTIONS) or f"there are {', '.join(_OPTIONS)}"
                 raise OntoError.of("SIM030", f"a reset has no option `{name}`", hint)
         start = self._chosen(last, rng, seed, options)
+        if "model" in options:
+            start = replace(start, fixtures=fixtures_of(str(options["model"]), self._model))
         if "settle" not in options:
             return start
         steps = options["settle"]

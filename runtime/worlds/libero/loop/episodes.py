@@ -18,9 +18,11 @@ from onto_compiler.tables import SATISFIED, STATUSES
 from runtime.loop.correction import CorrectionLoop
 from runtime.loop.diagnosis import evidence_status
 from runtime.loop.proposer import Proposer
-from runtime.loop.records import Attempt, Episode
+from runtime.loop.records import GIVEN, Attempt, Episode
 from runtime.worlds.libero.loop.environment import NativeEnvironment
+from runtime.worlds.libero.loop.uncertain import Placements, Uncertain
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
+from runtime.worlds.libero.simulator.fixtures import FixturePoses
 from runtime.worlds.libero.simulator.native import NativeTask, versions
 
 __all__ = ["BUDGET", "PREMISE_STEPS", "EpisodeRunner", "required_of", "settling"]
@@ -61,6 +63,9 @@ class EpisodeRunner:
     knowledge: Knowledge
     loop: CorrectionLoop
     fresh: NDArray[np.float64]  # the flat state that the seeded reset left
+    placements: Placements
+    placed: str  # who says where the fixtures stand: "seed 3", the name of a model file; empty where nobody does
+    fixtures: FixturePoses | None = None  # as a model file has them
 
     @classmethod
     def open(
@@ -68,17 +73,22 @@ class EpisodeRunner:
         ref: TaskRef,
         knowledge: Knowledge,
         proposers: Mapping[str, Proposer],
-        seed: int = 0,
+        seed: int | None = None,
         budget: int | None = None,
     ) -> EpisodeRunner:
-        """Build the scene of ``ref``; without ``budget`` :data:`BUDGET` holds. Raises ``SIM`` and ``BDDL`` problems."""
+        """Build the scene of ``ref``, with the fixtures where ``seed`` places them, which is 0 where nobody says.
+
+        Without ``budget`` :data:`BUDGET` holds. Raises ``SIM`` and ``BDDL`` problems.
+        """
         required = required_of(ref, knowledge)
-        task = NativeTask.open(ref, seed)
+        task = NativeTask.open(ref, seed or 0)
+        placed = "" if seed is None else f"seed {seed}"
         environment = NativeEnvironment(task, required, knowledge.schema)
         data = task.data
         fresh = np.concatenate([[data.time], data.qpos, data.qvel])
         loop = CorrectionLoop(knowledge, proposers, BUDGET if budget is None else budget)
-        return cls(ref, task, required, environment, knowledge, loop, fresh)
+        placements = Placements(parse_file(ref.bddl), environment.scene)
+        return cls(ref, task, required, environment, knowledge, loop, fresh, placements, placed)
 
     def run(
         self,
@@ -101,6 +111,11 @@ class EpisodeRunner:
     ) -> Episode:
         """Run the loop on the present state, which :meth:`start` left after ``settled`` control steps."""
         premise = self.environment.observe_premise()
+        start = {
+            "start_settle_steps": settled,
+            "fixtures": self.placed or f"seed {self.task.seed}, assumed",
+            "uncertain": [str(each.fact) for each in self.uncertain(state_index)],
+        }
         unmet = evidence_status(self.required.premise, premise) != STATUSES.index(SATISFIED)
         correction = self.loop.run(
             self.required, self.environment, np.random.default_rng([self.task.seed, max(state_index, 0)]), report=report
@@ -118,7 +133,7 @@ class EpisodeRunner:
             final=correction.final,
             outcome=correction.outcome,
             verification=correction.verification,
-            provenance=(*versions().items(), ("start_settle_steps", settled)),
+            provenance=(*versions().items(), *start.items()),
         )
 
     def start(self, state_index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
@@ -130,11 +145,24 @@ class EpisodeRunner:
             OntoError: ``SIM017``, where the task has no such initial state; ``SIM019``, where it diverges.
         """
         steps = settling(state, settle)
-        self.task.reset_to(self._official(state_index) if state is None else state)
+        self.task.reset_to(self._official(state_index) if state is None else state, self.fixtures)
         self.task.settle(steps)
         if self.task.diverged:
             raise OntoError.of("SIM019", f"the simulation of `{self.ref.name}` diverged while its state settled")
         return steps
+
+    def uncertain(self, state_index: int) -> tuple[Uncertain, ...]:
+        """The required facts whose verdict in the present state hangs on where fixtures stand, which nobody says.
+
+        Without any for an official state, which is meant to be judged in the scene of the seed.
+        """
+        if self.placed or state_index != GIVEN:
+            return ()
+        return self.placements.uncertain(self.required.facts, self.environment.observe(), self.task.data)
+
+    def placing(self, fixtures: FixturePoses, file: str) -> EpisodeRunner:
+        """The same scene with the fixtures as ``file`` has them."""
+        return replace(self, fixtures=fixtures, placed=file)
 
     def knowing(self, knowledge: Knowledge) -> EpisodeRunner:
         """The same scene and budget under other rules."""

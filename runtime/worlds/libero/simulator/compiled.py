@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import errno
 import logging
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from weakref import WeakSet
@@ -24,6 +24,7 @@ from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
 from runtime.worlds.libero.simulator.assets import configured_assets, package_root
+from runtime.worlds.libero.simulator.fixtures import FixturePoses
 from runtime.worlds.libero.simulator.scene_cache import SceneCache, SceneRecord, key_of, stamp
 from runtime.worlds.libero.simulator.snapshot import Snapshot, identity
 
@@ -65,6 +66,11 @@ class CompiledScene:
     substeps: int
     pictures: bool
     users: WeakSet[Any] = field(default_factory=WeakSet, repr=False)
+
+    def placing(self, fixtures: FixturePoses) -> CompiledScene:
+        """The same scene and model, with the fixtures where ``fixtures`` says; no simulation may run in it yet."""
+        self.model.body_pos[:], self.model.body_quat[:] = fixtures.body_pos, fixtures.body_quat
+        return replace(self, home=self.home.placed(fixtures))
 
 
 def compile_scene(

@@ -19,6 +19,7 @@ from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
 from runtime.worlds.libero.simulator import snapshot
 from runtime.worlds.libero.simulator.assets import TaskRef
+from runtime.worlds.libero.simulator.fixtures import FixturePoses
 from runtime.worlds.libero.simulator.flat_state import FlatStates
 from runtime.worlds.libero.simulator.missing_asset import advice, missing_asset
 from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, quiet, randomization_error
@@ -117,14 +118,15 @@ class NativeTask:
         """The length of LIBERO's flat state: time, qpos, qvel."""
         return int(1 + self.model.nq + self.model.nv)
 
-    def reset_to(self, state: ArrayLike) -> None:
+    def reset_to(self, state: ArrayLike, fixtures: FixturePoses | None = None) -> None:
         """Go to a flat ``state`` (1 + nq + nv,) as ``reset`` followed by LIBERO's ``set_init_state`` would.
 
-        Raises ``SIM004`` when it is another scene's, ``SIM003`` when it is not finite.
+        The fixtures stand where ``fixtures`` says, otherwise where the seed has placed them.
+        Raises ``SIM004`` when the state is another scene's, ``SIM003`` when it is not finite.
         """
         flat = FlatStates(self.model, self.bddl.stem).checked(state)
         with quiet():
-            self.restore(self._fresh)
+            self.restore(self._fresh.placed(fixtures))
             self._control.set_init_state(flat)
 
     def reset_as_evaluations_do(self, state: ArrayLike) -> None:

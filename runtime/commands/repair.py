@@ -34,15 +34,17 @@ def _run(options: argparse.Namespace) -> int:
         steps = runner.start(start, state, settle=options.settle)
         uncertain = uncertain_rows(runner, start)
         episode = runner.correct(start, settled=steps)
-        schema = runner.knowledge.schema
+        schema, reason = runner.knowledge.schema, dict(episode.provenance).get("reason", "")
     if options.out is not None:
         with TraceStore(options.out / "store", schema, "repair", ontology=options.ontology) as store:
             store.add(episode)
             store.export_trig(options.out / "trace.trig")
     if options.format == "json":
-        print_json({**episode_summary(episode, schema), "settle_steps": steps, "uncertain": uncertain})
+        about = {"reason": reason or None, "settle_steps": steps, "uncertain": uncertain}
+        print_json({**episode_summary(episode, schema), **about})
     else:
         told = [*narrate(episode, schema), f"  The start was {settled_words(steps)}."]
+        told += [f"  It stays unresolved because {reason}."] if reason else []
         lines = [*told, *uncertain_lines(uncertain)]
         sys.stdout.write("\n".join(lines) + "\n")
     return CLEAN if episode.accepted else FINDINGS

@@ -58,19 +58,29 @@ class Environment(Protocol):
         ...
 
     def settle(self, verification: Verification) -> Verification:
-        """Let the state settle and record whether the native predicate still holds."""
+        """Let the state settle and record whether the native predicate still holds.
+
+        Where it does, the state is afterwards the one that was verified. Where it does not, it is the one that this has
+        settled to, or where nothing can settle, the one before the last proposal.
+        """
         ...
 
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """What :meth:`CorrectionLoop.run` returns: the attempts, and how and in which observed state the loop ended."""
+    """What :meth:`CorrectionLoop.run` returns: the attempts, and how and in which observed state the loop ended.
+
+    ``reason`` says why it stays ``unresolved``. ``lost`` is the verdict on a start that the native predicate accepted
+    and that did not settle: the state that it settled to was corrected.
+    """
 
     initial: Observation
     attempts: tuple[Attempt, ...]
     final: Observation
     outcome: str
     verification: Verification | None
+    reason: str = ""
+    lost: Verification | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +103,8 @@ class CorrectionLoop:
     ) -> Correction:
         """Correct the state of ``environment`` until the native predicate accepts it or the budget is spent.
 
+        A state that is accepted and does not survive settling counts as rejected: the loop goes on from there.
+
         With ``predicted`` the source starts as ``pred``: a satisfied prediction is retained and nothing is executed;
         an unsatisfied one is corrected in ``environment`` where one is given. Without it the source is ``sim``
         throughout. ``report`` is called with each attempt as soon as it is over.
@@ -114,16 +126,21 @@ class _Run:
     attempts: list[Attempt] = field(default_factory=list)
     offered: dict[tuple[int, str], int] = field(default_factory=dict)  # candidates so far, by fact and route
     rejected: RouteDecision | None = None
+    lost: Verification | None = None  # a start that was accepted and did not settle
+    spent: str = ""  # of what there is no more: attempts or candidates
 
     def correct(self, predicted: Observation | None, report: Callable[[Attempt], None] | None) -> Correction:
         observation = initial = self._observe() if predicted is None else predicted
         while True:
             diagnoses = diagnose_goal(self.required, observation, self.loop.knowledge.tables)
+            before = self.lost
             end = self._before_attempt(observation, diagnoses)
-            if end is None:
+            if self.lost is not before:  # settling has moved the state
+                observation = self._observe()
+            elif end is None:
                 attempt = self._attempt(observation, diagnoses)
                 if attempt is None:
-                    end = "unresolved"
+                    end, self.spent = "unresolved", "no route has a further candidate"
                 else:
                     self.attempts.append(attempt)
                     if report is not None:
@@ -132,7 +149,8 @@ class _Run:
                     end = _after_attempt(attempt)
             if end is not None:
                 outcome, verification = (end, self._verdict()) if isinstance(end, str) else end
-                return Correction(initial, tuple(self.attempts), observation, outcome, verification)
+                reason = self._reason(verification) if outcome == "unresolved" else ""
+                return Correction(initial, tuple(self.attempts), observation, outcome, verification, reason, self.lost)
 
     def _before_attempt(
         self, observation: Observation, diagnoses: tuple[Diagnosis, ...]
@@ -146,10 +164,21 @@ class _Run:
         if observation.source == "sim" and not (self.attempts and diagnoses):
             verification = environment.verify()
             if verification.outcome:
-                return "verified", environment.settle(verification)
+                return self._accepted(environment.settle(verification))
             if not diagnoses:
                 return "grounding_verifier_disagreement", verification
-        return "unresolved" if len(self.attempts) >= self.loop.budget else None
+        if over := len(self.attempts) >= self.loop.budget:
+            self.spent = f"the budget of {self.loop.budget} attempts is spent"
+        return "unresolved" if over else None
+
+    def _accepted(self, verification: Verification) -> tuple[str, Verification] | None:
+        """How the run ends where the native predicate accepts the state as it is; None where that has to settle."""
+        if _holds(verification):
+            return "verified", verification
+        if self.lost is not None or self.attempts:
+            return "unresolved", verification
+        self.lost = verification
+        return None
 
     def _attempt(self, observation: Observation, diagnoses: tuple[Diagnosis, ...]) -> Attempt | None:
         """Steps 4 to 6 once; None when no route has a further candidate for the selected failure."""
@@ -165,7 +194,7 @@ class _Run:
                 verification = environment.settle(verification)
         except RunFault as fault:
             return Attempt(index, observation, diagnoses, decision, fault=str(fault))
-        self.rejected = None if verification.outcome else decision
+        self.rejected = None if _holds(verification) else decision
         return Attempt(index, observation, diagnoses, decision, application, verification)
 
     def _dispatch(self, selected: Diagnosis) -> tuple[RouteDecision, Proposal | None]:
@@ -210,11 +239,23 @@ class _Run:
         return self.environment.observe()
 
     def _verdict(self) -> Verification | None:
-        return self.attempts[-1].verification if self.attempts else None
+        return self.attempts[-1].verification if self.attempts else self.lost
+
+    def _reason(self, last: Verification | None) -> str:
+        """Why the task stays unresolved: what is spent, and whether an accepted state did not settle."""
+        parts = [self.spent] if self.spent else []
+        if last is not None and last.outcome:
+            parts.append(f"the last state that was accepted did not survive {last.settle_steps} steps of settling")
+        return "; ".join(parts)
 
 
 def _after_attempt(attempt: Attempt) -> str | None:
     """Step 6: how the run ends after ``attempt``, or None."""
     if attempt.fault:
         return "run_fault"
-    return "accepted" if attempt.verification is not None and attempt.verification.outcome else None
+    return "accepted" if attempt.verification is not None and _holds(attempt.verification) else None
+
+
+def _holds(verification: Verification) -> bool:
+    """Whether the native predicate accepts, and still does after settling where that was asked."""
+    return verification.outcome and verification.settled is not False

@@ -18,6 +18,7 @@ from runtime.loop.faults import RunFault
 from runtime.loop.records import Application, Proposal, Verification
 from runtime.worlds.libero.simulator.native import NativeTask
 from runtime.worlds.libero.simulator.native_import import predicate_names
+from runtime.worlds.libero.simulator.snapshot import Snapshot
 
 __all__ = ["SETTLE_STEPS", "NativeEnvironment"]
 
@@ -41,6 +42,7 @@ class NativeEnvironment:
         self._grounder = SimGrounder(self._scene, required.facts, schema)
         self._premise = SimGrounder(self._scene, required.premise, schema)
         self._scratch = mujoco.MjData(task.model)
+        self._before: Snapshot | None = None  # the state that the last proposal changed
 
     @property
     def scene(self) -> Scene:
@@ -78,7 +80,7 @@ class NativeEnvironment:
         Raises:
             RunFault: where the proposal, or the state that it leads to, is not finite or not of this scene.
         """
-        before = self._task.snapshot()
+        before = self._before = self._task.snapshot()
         start = self.qpos
         try:
             self._task.write_qpos(proposal.qpos)
@@ -102,12 +104,20 @@ class NativeEnvironment:
         return Verification(_QUERY if self._task.judged else _ATOMS, self._success())
 
     def settle(self, verification: Verification) -> Verification:
-        """Ask LIBERO again after :data:`SETTLE_STEPS` steps, then go back to the state that was verified."""
-        before = self._task.snapshot()
+        """Ask LIBERO again after :data:`SETTLE_STEPS` steps.
+
+        Where it still accepts, the state is afterwards the one that was verified; otherwise the one that it settled to.
+        A state that diverges is given up for the one before the last proposal.
+        """
+        verified = self._task.snapshot()
         self._task.settle(SETTLE_STEPS)
         # MuJoCo answers a divergence with the default pose: qpos is finite then, and says nothing of the task.
-        settled = not self._task.diverged and self._success()
-        self._task.restore(before)
+        diverged = self._task.diverged
+        settled = not diverged and self._success()
+        if settled:
+            self._task.restore(verified)
+        elif diverged:
+            self._task.restore(self._before or verified)
         return replace(verification, settled=settled, settle_steps=SETTLE_STEPS)
 
     def _success(self) -> bool:

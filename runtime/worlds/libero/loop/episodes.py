@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -111,7 +112,7 @@ class EpisodeRunner:
     ) -> Episode:
         """Run the loop on the present state, which :meth:`start` left after ``settled`` control steps."""
         premise = self.environment.observe_premise()
-        start = {
+        start: dict[str, Any] = {
             "start_settle_steps": settled,
             "fixtures": self.placed or f"seed {self.task.seed}, assumed",
             "uncertain": [str(each.fact) for each in self.uncertain(state_index)],
@@ -120,6 +121,10 @@ class EpisodeRunner:
         correction = self.loop.run(
             self.required, self.environment, np.random.default_rng([self.task.seed, max(state_index, 0)]), report=report
         )
+        if correction.lost is not None:
+            start["start_lost_settling"] = correction.lost.settle_steps
+        if correction.reason:
+            start["reason"] = correction.reason
         return Episode(
             task=self.ref.name,
             suite=self.ref.suite,

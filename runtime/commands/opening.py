@@ -20,6 +20,7 @@ from runtime.worlds.libero.demos.fixtures import fixtures_of
 from runtime.worlds.libero.loop.episodes import EpisodeRunner
 from runtime.worlds.libero.loop.uncertain import uncertain_line, uncertain_row
 from runtime.worlds.libero.simulator.assets import named_task
+from runtime.worlds.libero.simulator.own_code import import_own
 
 __all__ = ["start_of", "task_runner", "uncertain_lines", "uncertain_rows"]
 
@@ -31,6 +32,7 @@ def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
     proposers = load_proposers(knowledge.schema)
     budget = getattr(options, "budget", None)
     ref = named_task(options.task)
+    import_own(options.imports, ref.bddl.parent)
     # A line that moves while MuJoCo compiles; it shows on a terminal only.
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         runner = EpisodeRunner.open(ref, knowledge, proposers, options.seed, budget)

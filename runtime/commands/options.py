@@ -30,6 +30,15 @@ def add_task(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "within", nargs="?", action=_InSuite, metavar="INDEX", help="index or name, where the first is a suite alone"
     )
+    parser.add_argument(
+        "--import",
+        dest="imports",
+        action="append",
+        default=[],
+        metavar="MODULE",
+        help="import this module first, which registers objects or predicates of your own with LIBERO; it may stand "
+        "beside the task file or in the working folder",
+    )
 
 
 def add_state(parser: argparse.ArgumentParser) -> None:

@@ -30,6 +30,7 @@ from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.simulator.assets import named_task
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.native import NativeTask
+from runtime.worlds.libero.simulator.own_code import import_own
 from runtime.worlds.libero.simulator.pictures import Camera
 from runtime.worlds.libero.skills.episode import EpisodePlayer, EpisodeRecord
 from runtime.worlds.libero.skills.offers import Carrying
@@ -71,6 +72,7 @@ def play(options: argparse.Namespace) -> int:
 @contextmanager
 def _stage(options: argparse.Namespace, knowledge: Knowledge) -> Iterator[EpisodePlayer]:
     ref = named_task(options.task)
+    import_own(options.imports, ref.bddl.parent)
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         required = required_of(ref, knowledge, ordered=True)
         scene = compile_scene(ref.bddl, options.seed or 0)

@@ -13,15 +13,13 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
-from onto_compiler.bddl.dialects import LIBERO, dialect_of
-from onto_compiler.bddl.parse import parse_file
 from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
 from runtime.worlds.libero.simulator import snapshot
 from runtime.worlds.libero.simulator.assets import TaskRef
+from runtime.worlds.libero.simulator.build_fault import build_fault
 from runtime.worlds.libero.simulator.fixtures import FixturePoses
 from runtime.worlds.libero.simulator.flat_state import FlatStates
-from runtime.worlds.libero.simulator.missing_asset import advice, missing_asset
 from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, quiet, randomization_error
 from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION
 from runtime.worlds.libero.simulator.snapshot import BAD_NUMBERS, Snapshot
@@ -66,11 +64,7 @@ class NativeTask:
                 # LIBERO's own reset tries again for ever, and after any exception.
                 _until_placed(self._control.env.reset, crowded)
             except Exception as error:  # LIBERO has no exceptions of its own: a bad file may raise any
-                if (asset := missing_asset(error)) is not None:
-                    message = f"LIBERO's asset file `{asset}` is missing"
-                    raise OntoError.of("SIM020", message, advice(asset), str(bddl)) from error
-                message = f"LIBERO cannot build this task: {type(error).__name__} {error}"
-                raise OntoError.of("SIM016", message, _hint(bddl), str(bddl)) from error
+                raise build_fault(error, bddl) from error
             finally:
                 np.random.set_state(global_state)  # noqa: NPY002  as above
         goal = self.env.parsed_problem["goal_state"]
@@ -225,17 +219,6 @@ class NativeTask:
         snapshot.put(self.env, saved)
         for kind in BAD_NUMBERS:
             self.data.warning[kind].number = 0
-
-
-def _hint(bddl: Path) -> str:
-    """What to look at where LIBERO cannot build a task; a task of another domain is none of its own."""
-    try:
-        dialect = dialect_of(parse_file(bddl).domain)
-    except OntoError:
-        dialect = LIBERO
-    if dialect is not LIBERO:
-        return f"it is a task of {dialect.name}, which LIBERO does not play"
-    return "look at the task file with `onto compile`; where that is sound, an asset may be damaged"
 
 
 def _until_placed(act: Callable[[], object], crowded: type[Exception]) -> None:

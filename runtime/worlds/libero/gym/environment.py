@@ -111,7 +111,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         drawing = images or render_mode is not None
         scene = compile_scene(self._ref.bddl, scene_seed or 0, pictures=drawing)
         self._simulation = Simulation(scene, exact=exact)
-        self._starts = Starts(self._ref, self._simulation.flat_state, state_index, advance, settle, scene.model)
+        self._starts = Starts(self._ref, scene, self._simulation.flat_state, state_index, advance, settle)
         spec = parse_file(self._ref.bddl)
         self._placements = None if scene_seed is not None else Placements(spec, scene.index)
         self._observer = Observer(scene, [declared.name for declared in spec.objects], observables)
@@ -137,7 +137,8 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
     def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Observed, Info]:
         """Start an episode from ``options["state_index"]``, or a flat ``options["state"]`` (1 + nq + nv,).
 
-        Without either, ``seed`` s is a trial: it starts from official state s modulo their number. Without a seed, too,
+        Without either, ``seed`` s is a trial: it starts from official state s modulo their number, or where a task has
+        none, from LIBERO's reset of that seed, which places objects and fixtures anew. Without a seed, too,
         the state last asked for is taken again, or what ``advance`` makes of it. A state of your own is judged as it
         is, unless ``options["settle"]`` gives it control steps without motion first. ``options["model"]`` is a file
         that says where the fixtures stand: MJCF that was saved from the scene, or demonstrations.
@@ -187,8 +188,9 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         return self._views.draw(self._simulation.data, self._render_camera)[::-1].copy()
 
     def close(self) -> None:
-        """Free the OpenGL context."""
+        """Free the OpenGL context, and what draws seeded starts."""
         self._views.close()
+        self._starts.close()
 
     def _go(self, action: ArrayLike, *, look: bool = True) -> None:
         simulation, scratch = self._simulation, self._scratch
@@ -214,6 +216,12 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         found = self._placements.uncertain(self._required.facts, report.observation, self._simulation.data)
         return tuple(uncertain_row(each, self._schema) for each in found)
 
+    @property
+    def _scene_seed(self) -> int:
+        """The seed of the reset that placed the fixtures, where no file says where they stand."""
+        start = self._start
+        return self._simulation.scene.seed if start is None or start.seed is None else start.seed
+
     def _info(self) -> Info:
         report = self._reporter.report(self._simulation.data, self._steps)
         return {
@@ -224,6 +232,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             "task": self._ref.name,
             "suite": self._ref.suite,
             "language": self.language,
+            "scene_seed": self._scene_seed,
             "state_index": -1 if self._start is None else self._start.index,
             "uncertain": self._uncertain(report),
             "settle_steps": 0 if self._start is None else self._start.settle,

@@ -72,4 +72,5 @@ CHECK = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    timed=frozenset({"wall_s"}),
 )

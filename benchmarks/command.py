@@ -6,10 +6,11 @@ import argparse
 import os
 import sys
 from collections.abc import Sequence
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
-from benchmarks.protocol import Protocol, Row, load_protocols, protocol_named
+from benchmarks.protocol import Protocol, Row, load_protocols, protocol_named, registered_protocols
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, print_json
 
 __all__ = ["BENCH"]
@@ -27,14 +28,14 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    protocols = load_protocols()
     if options.name == "list":
+        helps = {name: _help(point) for name, point in registered_protocols().items()}
         if options.format == "json":
-            print_json({name: protocol.help for name, protocol in protocols.items()})
+            print_json(helps)
         else:
-            sys.stdout.write("".join(f"{name:<16}{protocol.help}\n" for name, protocol in protocols.items()))
+            sys.stdout.write("".join(f"{name:<20}{text}\n" for name, text in helps.items()))
         return CLEAN
-    chosen = protocols.values() if options.name == "all" else [protocol_named(options.name)]
+    chosen = load_protocols().values() if options.name == "all" else [protocol_named(options.name)]
     crashed = 0.0
     records = {}
     for protocol in chosen:
@@ -47,6 +48,15 @@ def _run(options: argparse.Namespace) -> int:
             lines = [f"  {metric:<52}{value:>12.4g}" for metric, value in record["metrics"].items()]
             sys.stdout.write("\n".join([name, *lines]) + "\n")
     return FINDINGS if crashed else CLEAN
+
+
+def _help(point: EntryPoint) -> str:
+    """What a protocol measures, or what must be installed before it can be imported."""
+    try:
+        protocol: Protocol = point.load()
+    except ImportError as error:
+        return f"not available, as `{error.name}` is not installed"
+    return protocol.help
 
 
 def _measure(protocol: Protocol, options: argparse.Namespace) -> dict[str, Any]:
@@ -75,7 +85,7 @@ def _measure(protocol: Protocol, options: argparse.Namespace) -> dict[str, Any]:
     parts = None
     if protocol.parts:
         made = made_by(command) | processors()
-        rows, parts = joined(folder / f"{protocol.name}.json", protocol, every, rows, made)
+        rows, parts = joined(folder / protocol.file, protocol, every, rows, made)
     path = write_result(folder, protocol, rows, command, parts=parts)
     sys.stderr.write(f"wrote {path}\n")
     return read_result(path)

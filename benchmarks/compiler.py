@@ -149,4 +149,5 @@ COMPILER = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    timed=frozenset({"wall_s", "peak_mib"}),
 )

@@ -71,4 +71,5 @@ DEMO = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    timed=frozenset({"wall_s"}),
 )

@@ -7,14 +7,14 @@ import os
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
+from functools import partial
 from pathlib import Path
 
 from benchmarks.protocol import Protocol, Row, Trial
+from onto_compiler.pool import map_over_processes
 from onto_compiler.problems import OntoError
 
-__all__ = ["run_protocol"]
+__all__ = ["run_protocol", "run_trial"]
 
 
 def run_protocol(
@@ -57,26 +57,15 @@ def _read(path: Path) -> Iterator[tuple[str, list[Row]]]:
 
 
 def _run_all(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator[tuple[str, list[Row]]]:
-    single = jobs <= 1 or len(trials) <= 1
-    yield from _run_together(protocol, [trial for trial in trials if not single and not protocol.alone(trial)], jobs)
-    yield from (_run_one(protocol, trial) for trial in trials if single or protocol.alone(trial))
+    together = [trial for trial in trials if not protocol.alone(trial)]
+    alone = [trial for trial in trials if protocol.alone(trial)]
+    for chosen, processes in ((together, jobs), (alone, 1)):
+        for trial, rows in map_over_processes(partial(run_trial, protocol), chosen, processes):
+            yield trial["key"], rows
 
 
-def _run_together(protocol: Protocol, trials: Sequence[Trial], jobs: int) -> Iterator[tuple[str, list[Row]]]:
-    if not trials:
-        return
-    # spawn: MuJoCo and Oxigraph hold threads, which a fork would cut in half.
-    with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
-        pending = [pool.submit(_run_one, protocol, trial) for trial in trials]
-        try:
-            for future in as_completed(pending):
-                yield future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def _run_one(protocol: Protocol, trial: Trial) -> tuple[str, list[Row]]:
+def run_trial(protocol: Protocol, trial: Trial) -> list[Row]:
+    """The trial's rows as they are published; of a trial that raised one row with ``crashed`` set."""
     started = time.perf_counter()
     try:
         rows = list(protocol.run(trial))
@@ -84,4 +73,4 @@ def _run_one(protocol: Protocol, trial: Trial) -> tuple[str, list[Row]]:
         detail = traceback.format_exc(limit=-3) if os.environ.get("ONTO_DEBUG") else ""
         rows = [{"crashed": f"{type(error).__name__}: {error}", "detail": detail}]
     seconds = round(time.perf_counter() - started, 3)
-    return trial["key"], [{**trial, **row, "seconds": seconds} for row in rows]
+    return [{**trial, **row, "seconds": seconds} for row in rows]

@@ -249,4 +249,5 @@ FUZZ = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    timed=frozenset({"worst_ms", "worst_input", "peak_mib"}),
 )

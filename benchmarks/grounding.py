@@ -119,4 +119,5 @@ GROUNDING = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    timed=frozenset({"us_per_fact"}),
 )

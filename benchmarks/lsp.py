@@ -127,4 +127,5 @@ LSP = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    timed=frozenset({"ms"}),
 )

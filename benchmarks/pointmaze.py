@@ -241,4 +241,5 @@ POINTMAZE = Protocol(
     metrics=metrics,
     alone=timed,
     parts="row",
+    timed=frozenset({"planning_s", *SPEED_METRICS}),
 )

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import tempfile
 import time
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from itertools import product
-from multiprocessing import get_context
 from os import cpu_count
 from pathlib import Path
 from statistics import median
@@ -17,6 +15,7 @@ import torch
 from grounding.world_model.model import load_world_model
 from grounding.world_model.pred import ObservedGoal, PredGrounder
 from onto_compiler.knowledge import load_knowledge
+from onto_compiler.pool import map_over_processes
 from runtime.training import STAGES
 from runtime.training.stages import TrainingDir
 from runtime.worlds.pointmaze.grounded import required_facts
@@ -59,8 +58,8 @@ def grounding_ms(folder: Path) -> float:
 def table_minutes(folder: Path) -> float:
     """Minutes of the published trials under the paper's four rows, on every core."""
     begun = time.perf_counter()
-    with ProcessPoolExecutor(cpu_count(), mp_context=get_context("spawn")) as pool:
-        list(pool.map(partial(_play, folder), product(TABLE, range(PUBLISHED)), chunksize=10))
+    for _ in map_over_processes(partial(_play, folder), list(product(TABLE, range(PUBLISHED))), cpu_count() or 1):
+        pass
     return (time.perf_counter() - begun) / 60
 
 

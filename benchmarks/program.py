@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+from collections.abc import Mapping
 
 __all__ = ["onto"]
 
 _PROGRAM = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
 
 
-def onto(*arguments: str) -> subprocess.CompletedProcess[str]:
-    """Run ``onto`` with ``arguments`` to its end; its output is text."""
+def onto(*arguments: str, environment: Mapping[str, str] | None = None) -> subprocess.CompletedProcess[str]:
+    """Run ``onto`` with ``arguments`` to its end, with ``environment`` added to ours; its output is text."""
     command = [sys.executable, "-c", _PROGRAM, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - our own program
+    env = {**os.environ, **(environment or {})}
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=env)  # noqa: S603 - our own program

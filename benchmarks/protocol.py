@@ -4,12 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from onto_compiler.problems import OntoError, near
 
-__all__ = ["GROUP", "Protocol", "Row", "Trial", "alone", "load_protocols", "protocol_named"]
+__all__ = [
+    "GROUP",
+    "Protocol",
+    "Row",
+    "Trial",
+    "alone",
+    "load_protocols",
+    "protocol_named",
+    "registered_protocols",
+    "untimed",
+]
 
 GROUP = "onto_evwm.protocols"
 Row = dict[str, Any]
@@ -34,7 +44,8 @@ class Protocol:
     holds its ``mode`` (``none``, ``state`` or ``controller``) and what it ``sees``; the engine adds the trial to it.
     Trials that are timed run ``alone``: in this process, one after another, when all others are done, however many
     processes there might be. ``parts`` names the field of a trial by whose values the protocol can be run part by part
-    (``onto bench NAME --part VALUE``).
+    (``onto bench NAME --part VALUE``). ``timed`` names the fields of a row that differ from run to run: times and
+    memory. ``result`` is the name of the published file, where it is not the protocol's.
     """
 
     name: str
@@ -45,12 +56,29 @@ class Protocol:
     metrics: Callable[[Sequence[Row]], Mapping[str, float]]
     alone: Callable[[Trial], bool] = _together
     parts: str = ""
+    timed: frozenset[str] = frozenset()
+    result: str = ""
+
+    @property
+    def file(self) -> str:
+        """Name of the file that is published, without its folder."""
+        return f"{self.result or self.name}.json"
+
+
+def untimed(protocol: Protocol, rows: Sequence[Row]) -> list[Row]:
+    """``rows`` without what was timed: what two runs of the same trials have to agree on."""
+    left_out = {*protocol.timed, "seconds"}
+    return [{name: value for name, value in row.items() if name not in left_out} for row in rows]
+
+
+def registered_protocols() -> dict[str, EntryPoint]:
+    """The entry point of every protocol by name, none of them imported yet; in alphabetical order."""
+    return {point.name: point for point in sorted(entry_points(group=GROUP), key=lambda point: point.name)}
 
 
 def load_protocols() -> dict[str, Protocol]:
     """Every registered protocol by name, in the order of their names."""
-    found = (entry.load() for entry in entry_points(group=GROUP))
-    return {protocol.name: protocol for protocol in sorted(found, key=lambda p: p.name)}
+    return {name: point.load() for name, point in registered_protocols().items()}
 
 
 def protocol_named(name: str) -> Protocol:
@@ -59,11 +87,12 @@ def protocol_named(name: str) -> Protocol:
     Raises:
         OntoError: BEN001, where none is called so.
     """
-    known = load_protocols()
+    known = registered_protocols()
     if name not in known:
         raise OntoError.of(
             "BEN001",
             f"`{name}` is no protocol",
             near(name, known) or f"one of: {', '.join(known) or 'none is installed'}",
         )
-    return known[name]
+    protocol: Protocol = known[name].load()
+    return protocol

@@ -14,6 +14,7 @@ from typing import Any
 
 from benchmarks.protocol import Protocol, Row
 from onto_compiler import versions
+from onto_compiler.atomic import replacing
 from onto_compiler.versions import version_of
 
 __all__ = ["RESULTS", "changed", "git", "machine", "made_by", "processors", "read_result", "write_result"]
@@ -47,11 +48,11 @@ def write_result(
     extra: Mapping[str, float] | None = None,
     parts: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> Path:
-    """Write ``folder/NAME.json``; ``metrics`` is recomputed from ``rows``, and ``extra`` adds what no row holds.
+    """Write the protocol's file in ``folder``; ``metrics`` is recomputed from ``rows``.
 
-    ``parts`` says of each part, where they were run apart, how it was made.
+    ``extra`` adds what no row holds. ``parts`` says of each part, where they were run apart, how it was made.
     """
-    path = folder / f"{protocol.name}.json"
+    path = folder / protocol.file
     record: dict[str, Any] = {
         "protocol": protocol.name,
         **made_by(command),
@@ -61,13 +62,14 @@ def write_result(
         "metrics": {**protocol.metrics(rows), **(extra or {})},
         "rows": list(rows),
     }
-    folder.mkdir(parents=True, exist_ok=True)
     if len(rows) > _MANY:
         record["rows"] = f"{protocol.name}.rows.jsonl.gz"
         lines = "".join(json.dumps(row, allow_nan=False) + "\n" for row in rows)
         # Without a time stamp equal rows are equal bytes.
-        (folder / record["rows"]).write_bytes(gzip.compress(lines.encode(), mtime=0))
-    path.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        with replacing(folder / record["rows"]) as partial:
+            partial.write_bytes(gzip.compress(lines.encode(), mtime=0))
+    with replacing(path) as partial:
+        partial.write_text(json.dumps(record, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     return path
 
 

@@ -17,7 +17,7 @@ from benchmarks.protocol import Protocol, Row, Trial, alone
 from benchmarks.simulator_processes import in_process, together
 from benchmarks.simulator_task import measure_task, rolled_out
 
-__all__ = ["SIMULATOR", "TASKS", "untimed"]
+__all__ = ["SIMULATOR", "TASKS"]
 
 TASKS = (
     ("libero_spatial", 3),
@@ -36,7 +36,6 @@ PROCESS_STARTS = 5
 SCALING_STEPS, SCALING_ROUNDS = 1500, 5
 MEMORY_RESETS, MEMORY_STEPS = 200, 100_000
 SCALED = ("libero_goal", 8)  # the scene of what runs in processes of its own
-TIMED = frozenset({"timing", "seconds"})
 
 
 def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signature
@@ -119,11 +118,6 @@ _RUN: Mapping[str, Callable[[Trial], Row]] = {
 }
 
 
-def untimed(rows: Sequence[Row]) -> list[Row]:
-    """``rows`` without what was timed: what two runs of the same command have to agree on."""
-    return [{name: value for name, value in row.items() if name not in TIMED} for row in rows]
-
-
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
     """Medians over the tasks; ``min`` and ``max`` are the worst task's."""
     whole = [row for row in rows if "crashed" not in row]
@@ -193,4 +187,5 @@ SIMULATOR = Protocol(
     run=run,
     metrics=metrics,
     alone=alone,
+    timed=frozenset({"timing"}),
 )

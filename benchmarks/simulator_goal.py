@@ -16,7 +16,7 @@ from onto_compiler.knowledge import Knowledge, load_knowledge
 from runtime.loop.monitor import GoalMonitor
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.native import NativeTask
-from runtime.worlds.libero.simulator.snapshot import Snapshot
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["NativeGoal"]
 

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from benchmarks.protocol import Row
 from runtime.worlds.libero.simulator.assets import find_task, initial_states
 from runtime.worlds.libero.simulator.compiled import compile_scene
-from runtime.worlds.libero.simulator.native_import import quiet
 from runtime.worlds.libero.simulator.simulation import Simulation
-from runtime.worlds.libero.simulator.snapshot import FULL, Snapshot
+from runtime.worlds.native_import import quiet
+from runtime.worlds.snapshot import FULL, Snapshot
 
 if TYPE_CHECKING:
     from benchmarks.simulator_goal import NativeGoal

@@ -21,14 +21,14 @@ from benchmarks.intervals import wilson
 from benchmarks.protocol import Protocol, Row, Trial
 from benchmarks.skills_replay import SETTLE, NativeReplay, ReplayVerdict
 from onto_compiler.knowledge import load_knowledge
-from runtime.worlds.libero.loop.episodes import required_of
 from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.simulator.assets import find_task, initial_states, tasks
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.simulation import Simulation
 from runtime.worlds.libero.skills.play import PlayedEpisode, Player, SkillAttempt
+from runtime.worlds.required import required_of
 
-__all__ = ["FIRST_TRY", "PLAYS", "SKILLS", "SUITES", "before_retry", "succeeded", "untimed"]
+__all__ = ["FIRST_TRY", "PLAYS", "SKILLS", "SUITES", "before_retry", "succeeded"]
 
 SEED = 0  # places the fixtures, which official initial states leave out
 SUITES = ("libero_spatial", "libero_object", "libero_goal", "libero_10", "libero_90")
@@ -36,7 +36,6 @@ PLAYS = ("reactive", "lookahead")
 FIRST_TRY = "first_try"
 HELD_OUT = range(40, 50)
 SMALL = (0,)  # a state that the skills were developed on, of the first task of each suite
-TIMED = frozenset({"timing", "seconds"})
 
 
 def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signature
@@ -161,11 +160,6 @@ def succeeded(row: Row, play: str) -> bool:
     return bool(row.get(FIRST_TRY, {}).get("success") if play == FIRST_TRY else row.get("success"))
 
 
-def untimed(rows: Sequence[Row]) -> list[Row]:
-    """``rows`` without what was timed: what two runs of the same command have to agree on."""
-    return [{name: value for name, value in row.items() if name not in TIMED} for row in rows]
-
-
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
     """Rates of the suites that were run, with Wilson intervals; a crashed trial is a failure and is counted apart."""
     whole = [row for row in rows if "crashed" not in row]
@@ -209,4 +203,5 @@ SKILLS = Protocol(
     run=run,
     metrics=metrics,
     parts="suite",
+    timed=frozenset({"timing"}),
 )

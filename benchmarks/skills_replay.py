@@ -19,8 +19,7 @@ from grounding.sim import SimGrounder
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import local_name
-from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.loop.diagnosis import diagnose_goal, evidence_status
+from runtime.loop.diagnosis import diagnose_goal, satisfied
 from runtime.wording import short_name, unit_of
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.native import NativeTask
@@ -77,7 +76,7 @@ class NativeReplay:
         task = self._task
         task.reset_to(state)
         task.settle(SETTLE)
-        premise = evidence_status(self._required.premise, self._premise.observe(task.data))
+        premise = satisfied(self._required.premise, self._premise.observe(task.data))
         initially, first = task.success(), None
         for step, action in enumerate(actions, start=1):
             if task.step(action) and first is None:
@@ -91,7 +90,7 @@ class NativeReplay:
         if task.diverged:
             outcome = "diverged"
         failures = self._typed({"unmet": at_end, "unsettled": after}.get(outcome))
-        premise_holds = bool((premise == STATUSES.index(SATISFIED)).all())
+        premise_holds = bool(premise.all())
         return ReplayVerdict(outcome, ended, ended and stayed, first, failures, premise_holds, initially, same)
 
     def _typed(self, seen: Observation | None) -> tuple[dict[str, Any], ...]:

@@ -19,9 +19,9 @@ from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.schema import local_name
 from onto_compiler.tables import RouteEntry, RuleTables
 from runtime.loop.records import Episode
-from runtime.loop.registry import load_proposers
-from runtime.worlds.libero.loop.episodes import EpisodeRunner
+from runtime.worlds.episodes import EpisodeRunner
 from runtime.worlds.libero.simulator.assets import find_task
+from runtime.worlds.libero.world import WORLD
 
 __all__ = ["STATE_REPAIR"]
 
@@ -53,7 +53,7 @@ def run(trial: Trial) -> list[Row]:
 def _runner(suite: str, task: int) -> EpisodeRunner:
     """The scene of the task that this process works on; trials come task by task."""
     knowledge = load_knowledge()
-    return EpisodeRunner.open(find_task(suite, task), knowledge, load_proposers(knowledge.schema), SEED)
+    return EpisodeRunner.open(WORLD, find_task(suite, task), knowledge, seed=SEED)
 
 
 def _random_routes(knowledge: Knowledge, rng: np.random.Generator) -> Knowledge:

@@ -13,8 +13,10 @@ from typing import Any
 
 from benchmarks import compiler_tables, runtime_tables
 from benchmarks.audit_tables import audit_table, suites_table, versions_table
+from benchmarks.house_table import house_table
 from benchmarks.markdown import origin
 from benchmarks.pointmaze_tables import pointmaze_table
+from benchmarks.replay_table import replayed_table
 from benchmarks.results import RESULTS, read_result
 from benchmarks.skills_tables import skills_table
 from benchmarks.world_model_tables import world_model_libero_table
@@ -38,8 +40,11 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "demos": runtime_tables.demos_table,
     "fuzz": compiler_tables.fuzz_table,
     "grounding": runtime_tables.grounding_table,
+    "house": house_table,
     "lsp": compiler_tables.lsp_table,
     "pointmaze": pointmaze_table,
+    "replayed": replayed_table,
+    "robosuite": runtime_tables.robosuite_table,
     "simulator": runtime_tables.simulator_table,
     "skills": skills_table,
     "state_repair": runtime_tables.state_repair_table,

@@ -60,7 +60,7 @@ class CompiledTruth:
         bit = -1
         if contact is not None:
             bit, self._contacts = self._contacts, self._contacts + 1
-            for side, geoms in enumerate(contact.sides):
+            for side, geoms in enumerate(contact):
                 self._sides[side, geoms] |= np.uint64(1 << bit)
         integers: tuple[int, int, int]
         numbers: tuple[float, ...]

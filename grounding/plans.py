@@ -7,14 +7,15 @@ grounding function that the plan stands beside.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from grounding.predicates.contact import ContactTerm
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["Box", "Disc", "Joints", "Plan", "SiteBox"]
+__all__ = ["Box", "Disc", "Joints", "Plan", "Sides", "SiteBox"]
 
 Bounds = tuple[float, float, float]
+Sides = tuple[NDArray[np.intp], NDArray[np.intp]]
+"""The geoms of either side, of which two must meet."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +26,7 @@ class Box:
     site: int
     low: Bounds
     high: Bounds
-    contact: ContactTerm | None = None
+    contact: Sides | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +46,7 @@ class Disc:
     upper: int
     lower: int
     radius: float
-    contact: ContactTerm
+    contact: Sides
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,12 +1,14 @@
-"""An index of a compiled MuJoCo scene in LIBERO's naming: entities, regions, their geoms and joints.
+"""An index of a compiled MuJoCo scene: entities, regions, their geoms and joints.
 
-LIBERO builds each object and fixture ``NAME`` as a body ``NAME_main`` directly under the world; a region is a site,
-either on a body of an entity (a drawer, a burner) or on the table or floor. A :class:`Scene` reads those names once. It
-never builds, steps or writes a model.
+robosuite, and LIBERO with it, builds each object and fixture ``NAME`` as a body ``NAME_main`` directly under the world;
+a region is a site, either on a body of an entity (a drawer, a burner) or on the table or floor. What a world names
+otherwise is in its :class:`Naming`. A :class:`Scene` reads those names once. It never builds, steps or writes a model.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeVar
 
 import mujoco
@@ -15,16 +17,14 @@ import numpy as np
 from onto_compiler.problems import OntoError, near
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable
 
     from numpy.typing import NDArray
 
-__all__ = ["Scene"]
+__all__ = ["Naming", "Scene"]
 
 T = TypeVar("T")
 
-ROOT_SUFFIX = "_main"
-COLLISION_GROUP = 0
 QPOS_WIDTH = {
     mujoco.mjtJoint.mjJNT_FREE: 7,
     mujoco.mjtJoint.mjJNT_BALL: 4,
@@ -39,19 +39,37 @@ DOF_WIDTH = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class Naming:
+    """What a world calls the parts of its models.
+
+    ``root_suffix`` ends the name of an entity's root body, which stands directly under the world. ``roots`` are further
+    root bodies, by the name of their entity. ``joints`` are the joints of names that stand for joints alone. ``parts``
+    are named groups of collision geoms that belong to no entity of a task, such as the pads of a gripper: only a
+    contact asks for them.
+    """
+
+    root_suffix: str = "_main"
+    collision_group: int = 0
+    roots: Mapping[str, str] = field(default_factory=dict)
+    joints: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    parts: Mapping[str, Sequence[str]] = field(default_factory=dict)
+
+
 class Scene:
     """Names of ``model`` resolved to ids. All ids are MuJoCo's; all arrays of ids are sorted and read-only."""
 
-    def __init__(self, model: mujoco.MjModel) -> None:
-        """Index ``model``; it is kept, and nothing of it is changed."""
+    def __init__(self, model: mujoco.MjModel, naming: Naming | None = None) -> None:
+        """Index ``model``; it is kept, and nothing of it is changed. Without ``naming``, as robosuite names."""
         self.model = model
+        self.naming = naming = naming or Naming()
         parents = [int(p) for p in model.body_parentid]
         self._owner: list[str | None] = [None] * model.nbody  # entity that a body belongs to
         self._roots: dict[str, int] = {}
         for body in range(1, model.nbody):
             name = _name(model, mujoco.mjtObj.mjOBJ_BODY, body)
-            if parents[body] == 0 and name.endswith(ROOT_SUFFIX):
-                entity = name.removesuffix(ROOT_SUFFIX)
+            entity = self._entity(name) if parents[body] == 0 else None
+            if entity is not None:
                 self._roots[entity] = body
                 self._owner[body] = entity
             else:  # MuJoCo numbers a parent before its children
@@ -63,7 +81,9 @@ class Scene:
         }
         self._bodies = {e: _ids(b for b in range(model.nbody) if self._owner[b] == e) for e in self._roots}
         self._geoms = {e: self._collision_geoms(e) for e in self._roots}
+        self._geoms |= {part: self._named_geoms(names) for part, names in naming.parts.items()}
         self._joints = {e: _ids(j for j in range(model.njnt) if self._owner_of_joint(j) == e) for e in self._roots}
+        self._joints |= {name: _ids(model.joint(each).id for each in names) for name, names in naming.joints.items()}
 
     @property
     def entities(self) -> tuple[str, ...]:
@@ -86,8 +106,8 @@ class Scene:
     def contact_geoms(self, name: str) -> NDArray[np.intp]:
         """Ids of the geoms that robosuite's ``check_contact`` compares for entity ``name``.
 
-        They are the geoms of group 0 below its root body (``robosuite/models/objects/objects.py``, ``contact_geoms``).
-        Raises ``SIM001`` when there is no such entity.
+        They are the geoms of group 0 below its root body (``robosuite/models/objects/objects.py``, ``contact_geoms``),
+        or those of one of the naming's parts. Raises ``SIM001`` when there is no such entity.
         """
         return self._lookup(self._geoms, name)
 
@@ -142,13 +162,24 @@ class Scene:
         joint = int(np.searchsorted(self.model.jnt_qposadr, qpos_address, side="right")) - 1
         return _name(self.model, mujoco.mjtObj.mjOBJ_JOINT, joint) or f"joint {joint}"
 
+    def _entity(self, body: str) -> str | None:
+        """The entity whose root ``body`` is, by the world's names."""
+        naming = self.naming
+        given = next((entity for entity, root in naming.roots.items() if root == body), None)
+        if given is None and body.endswith(naming.root_suffix):
+            return body.removesuffix(naming.root_suffix)
+        return given
+
+    def _named_geoms(self, names: Sequence[str]) -> NDArray[np.intp]:
+        return _ids(sorted(int(self.model.geom(name).id) for name in names))
+
     def _collision_geoms(self, entity: str) -> NDArray[np.intp]:
         model = self.model
         return _ids(
             g
             for g in range(model.ngeom)
             if self._owner[int(model.geom_bodyid[g])] == entity
-            and model.geom_group[g] == COLLISION_GROUP
+            and model.geom_group[g] == self.naming.collision_group
             and _name(model, mujoco.mjtObj.mjOBJ_GEOM, g)
         )
 

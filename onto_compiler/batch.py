@@ -8,12 +8,9 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache, partial
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -22,15 +19,15 @@ from onto_compiler.bddl import codes, lift, parse
 from onto_compiler.bddl.parse import decode, read_bytes
 from onto_compiler.cache import VerdictCache, digest
 from onto_compiler.compile_schema import compile_schema
+from onto_compiler.pool import map_over_processes
 from onto_compiler.problems import OntoError, Problem, Span
 from onto_compiler.rdf import BASE
 from onto_compiler.required import RequiredABox
 from onto_compiler.required_rdf import entity_iri, required_quads
 from onto_compiler.schema import Schema
+from onto_compiler.shacl.graph import Term
 from onto_compiler.sources import collect, load_store
-from onto_compiler.validator.facts import Term
-from onto_compiler.validator.records import problem_of, record_validator
-from onto_compiler.validator.validator import Validator
+from onto_compiler.validator.records import Validator, problem_of, record_validator
 
 __all__ = ["Batch", "FileResult", "available_jobs", "compile_files", "task_files"]
 
@@ -158,22 +155,8 @@ def _compiled(
 ) -> Iterator[tuple[tuple[Path, str, bytes], FileResult]]:
     chunks = [todo[start : start + CHUNK] for start in range(0, len(todo), CHUNK)]
     judge = partial(_judge_all, extra=extra, stamp=stamp)
-    with _mapping(min(jobs, len(chunks))) as run:
-        for chunk, found in zip(chunks, run(judge, chunks), strict=True):
-            yield from zip(chunk, found, strict=True)
-
-
-@contextmanager
-def _mapping(workers: int) -> Iterator[Callable[..., Iterator[list[FileResult]]]]:
-    """``map``, in this process or over ``workers`` others."""
-    if workers <= 1:
-        yield map
-        return
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
-    try:
-        yield pool.map
-    finally:
-        pool.shutdown(cancel_futures=True)
+    for chunk, found in map_over_processes(judge, chunks, jobs):
+        yield from zip(chunk, found, strict=True)
 
 
 def _judge_all(chunk: Sequence[tuple[Path, str, bytes]], extra: tuple[str, ...], stamp: str) -> list[FileResult]:

@@ -10,12 +10,12 @@ import hashlib
 import json
 import os
 import sys
-import tempfile
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from onto_compiler.atomic import replacing
 from onto_compiler.versions import version_of
 
 __all__ = ["VerdictCache", "cache_folder", "digest"]
@@ -90,18 +90,10 @@ class VerdictCache:
         """
         if not self._fresh:
             return
-        self.folder.mkdir(parents=True, exist_ok=True)
         verdicts = json.dumps({**(self._read() or {}), **self._verdicts})
         head = json.dumps({"digest": self.digest, "sha256": _checksum(verdicts)})
-        # A name of its own for each writer: two that share one would write into each other's file.
-        handle, partial = tempfile.mkstemp(prefix=f"{self.path.stem}-", suffix=".partial", dir=self.folder)
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(f"{head}\n{verdicts}\n")
-            Path(partial).replace(self.path)
-        except BaseException:
-            Path(partial).unlink(missing_ok=True)
-            raise
+        with replacing(self.path) as partial:
+            partial.write_text(f"{head}\n{verdicts}\n", encoding="utf-8")
         self._fresh.clear()
         self._prune()
 

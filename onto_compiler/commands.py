@@ -13,6 +13,7 @@ from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_onto
 from onto_compiler.problems import OntoError, Problem, render_all
 from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import local_name
+from onto_compiler.wording import counted
 
 if TYPE_CHECKING:
     from onto_compiler.batch import Batch
@@ -65,7 +66,7 @@ def _batch(options: argparse.Namespace) -> int:
         sys.stderr.write(f"onto compile: {remark}\n")
     total = batch.summary
     sys.stderr.write(
-        f"{total['files']:,} {'file' if total['files'] == 1 else 'files'}: {total['compiled']:,} compiled, "
+        f"{counted(total['files'], 'file')}: {total['compiled']:,} compiled, "
         f"{total['failed']:,} failed ({total['cached']:,} from cache), {time.perf_counter() - begin:.2f} s\n"
     )
     return FINDINGS if total["failed"] else CLEAN
@@ -88,21 +89,15 @@ def batch_record(batch: Batch) -> dict[str, object]:
 
 
 def _each(options: argparse.Namespace) -> int:
-    from onto_compiler.bddl import lift, parse_file  # noqa: PLC0415 - heavy imports wait for the command to run
-    from onto_compiler.compile_schema import load_schema  # noqa: PLC0415
+    from onto_compiler.bddl.compile import compile_task  # noqa: PLC0415 - heavy imports wait for the command to run
 
-    schema = load_schema(*options.ontology)
     compiled: list[RequiredABox] = []
     problems: list[Problem] = []
     for path in options.paths:
         try:
-            spec = parse_file(path)
-            abox, warnings = lift(spec, schema, spec.file.rpartition("/")[2].removesuffix(".bddl"))
+            compiled.append(compile_task(path, ontology=options.ontology, warn=problems.append))
         except OntoError as error:
             problems += error.problems
-        else:
-            compiled.append(abox)
-            problems += warnings
     if options.format == "json":
         tasks = [abox_record(abox) for abox in compiled]
         print_json({"tasks": tasks, "problems": [problem.as_dict() for problem in problems]})

@@ -30,12 +30,14 @@ from onto_compiler.sources import load_store
 __all__ = ["compile_schema", "load_schema", "read_hierarchy"]
 
 _PREDICATES = """
-SELECT ?this ?kind ?name ?domain ?range ?unit ?grounded ?definition ?tolerance WHERE {
+SELECT ?this ?kind ?name ?domain ?range ?unit ?grounded ?definition ?tolerance ?moves ?acyclic WHERE {
     ?this a ?kind . ?kind rdfs:subClassOf* core:Predicate .
     OPTIONAL { ?this skos:notation ?name } OPTIONAL { ?this skos:definition ?definition }
     OPTIONAL { ?this core:domain ?domain } OPTIONAL { ?this core:range ?range }
     OPTIONAL { ?this core:marginUnit ?unit } OPTIONAL { ?this core:groundedBy ?grounded }
     OPTIONAL { ?this core:tolerance ?tolerance }
+    OPTIONAL { ?kind rdfs:subClassOf*/core:movesArgument ?moves }
+    BIND (EXISTS { ?this core:characteristic core:Acyclic } AS ?acyclic)
 } ORDER BY ?this ?kind"""
 _BINDINGS = """
 SELECT ?this ?native ?first ?second ?lifts ?grounded ?order ?pattern ?threshold ?tolerance ?premise ?domain ?margin
@@ -59,10 +61,11 @@ SELECT ?this ?name ?level ?admits ?supports ?next WHERE {
     OPTIONAL { ?this core:supports ?supports } OPTIONAL { ?this core:onRejection ?next }
 } ORDER BY ?this"""
 _PRECONDITIONS = """
-SELECT ?this ?precedes ?argument ?class ?native ?holds ?others WHERE {
+SELECT ?this ?precedes ?argument ?class ?native ?holds ?others ?extends WHERE {
     ?this a core:Precondition ; core:precedes ?precedes ; core:ofArgument ?argument ; core:argumentClass ?class ;
         core:native ?native .
     OPTIONAL { ?this core:mustHold ?holds } OPTIONAL { ?this core:othersOf ?others }
+    OPTIONAL { ?this core:extendsTo ?extends }
 } ORDER BY ?this ?precedes"""
 _FAILURES = """
 SELECT ?this ?priority WHERE {
@@ -78,6 +81,7 @@ SELECT ?this ?name ?term ?field ?weight ?predicate WHERE {
     OPTIONAL { ?this skos:notation ?name } OPTIONAL { ?term plan:ofPredicate ?predicate }
 } ORDER BY ?this ?field ?predicate"""
 _LABELS = "SELECT ?this ?label WHERE { ?this rdfs:label ?label }"
+_SYMBOLS = "SELECT ?this ?symbol WHERE { ?this qudt:symbol ?symbol }"
 _NOTATIONS = "SELECT ?this ?notation WHERE { ?this skos:notation ?notation }"
 
 Row = Mapping[str, str]
@@ -112,6 +116,7 @@ def compile_schema(store: Store) -> Schema:
         preconditions=_preconditions(store),
         notations={row["this"]: row["notation"] for row in _rows(store, _NOTATIONS)},
         scores=_scores(store),
+        symbols={row["this"]: row["symbol"] for row in _rows(store, _SYMBOLS)},
     )
 
 
@@ -143,15 +148,19 @@ def _predicates(store: Store, classes: Mapping[str, frozenset[str]]) -> dict[str
         # A predicate typed with a kind and with one of its superclasses keeps the narrower kind.
         if earlier is not None and row["kind"] in classes.get(earlier.kind, ()):
             continue
+        parameters = tuple(row[key] for key in ("domain", "range") if key in row)
+        moves = int(row.get("moves", 0)) - 1
         found[row["this"]] = PredicateSignature(
             iri=row["this"],
             name=row.get("name", local_name(row["this"])),
             kind=row["kind"],
-            parameters=tuple(row[key] for key in ("domain", "range") if key in row),
+            parameters=parameters,
             margin_unit=row.get("unit"),
             grounded_by=row.get("grounded"),
             definition=row.get("definition", ""),
+            acyclic=row["acyclic"] == "true",
             tolerance=float(row["tolerance"]) if "tolerance" in row else None,
+            moves=moves if 0 <= moves < len(parameters) else None,
         )
     return found
 
@@ -235,6 +244,7 @@ def _preconditions(store: Store) -> tuple[PreconditionRule, ...]:
             native=each[0]["native"],
             must_hold=each[0].get("holds") != "false",
             others=each[0].get("others"),
+            extends=frozenset(row["extends"] for row in each if "extends" in row),
         )
         for iri, each in rows.items()
     )

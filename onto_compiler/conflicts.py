@@ -1,11 +1,14 @@
-"""Whether two facts exclude each other by what they say: opposite polarity, or sides of one joint that do not meet."""
+"""What bringing about one fact means for another: whether they exclude each other, and whether one satisfies the other.
+
+They exclude each other by opposite polarity, or as sides of one joint that do not meet.
+"""
 
 from __future__ import annotations
 
 from onto_compiler.required import Fact
 from onto_compiler.schema import JointThreshold, Schema
 
-__all__ = ["exclude"]
+__all__ = ["entails", "exclude"]
 
 
 def exclude(one: Fact, other: Fact, schema: Schema) -> bool:
@@ -18,6 +21,19 @@ def exclude(one: Fact, other: Fact, schema: Schema) -> bool:
     (a, every_a), (b, every_b) = first, second
     # Where either asks for any joint only, two joints could satisfy the two.
     return (every_a or every_b) and not _meet(a, b)
+
+
+def entails(one: Fact, other: Fact, schema: Schema) -> bool:
+    """Whether bringing about ``one`` satisfies ``other``.
+
+    They say the same, or ``one`` moves an object elsewhere than where ``other`` forbids it to be.
+    """
+    if one.predicate == other.predicate and one.arguments == other.arguments:
+        return one.polarity == other.polarity
+    if other.polarity or not one.polarity:
+        return False
+    moved, placed = schema.predicates[one.predicate].moves, schema.predicates[other.predicate].moves
+    return moved is not None and placed is not None and one.arguments[moved] == other.arguments[placed]
 
 
 Interval = tuple[float, bool, float, bool]  # low, whether it is in, high, whether it is in

@@ -11,6 +11,7 @@ from typing import Final
 
 from onto_compiler.command import CLEAN, FINDINGS, MISUSE, Command
 from onto_compiler.problems import OntoError, render
+from onto_compiler.wording import counted
 
 __all__ = ["FMT"]
 
@@ -49,7 +50,7 @@ def _run(options: argparse.Namespace) -> int:
             faulty += not _write(path, after)
     dry = options.check or options.diff
     done = "would change" if dry else "changed"
-    sys.stderr.write(f"{changed} of {total} file{'' if total == 1 else 's'} {done}\n")
+    sys.stderr.write(f"{changed} of {counted(total, 'file')} {done}\n")
     return FINDINGS if faulty or (dry and changed) else CLEAN
 
 

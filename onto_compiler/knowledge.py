@@ -21,6 +21,11 @@ class Knowledge:
     schema: Schema
     tables: RuleTables
 
+    @classmethod
+    def load(cls, *extra: str | Path) -> Knowledge:
+        """As :func:`load_knowledge`."""
+        return load_knowledge(*extra)
+
 
 @lru_cache(maxsize=4)
 def load_knowledge(*extra: str | Path) -> Knowledge:

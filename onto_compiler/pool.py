@@ -1,4 +1,4 @@
-"""Spread a function over processes."""
+"""Apply a function to many items in several processes."""
 
 from __future__ import annotations
 
@@ -10,31 +10,43 @@ from typing import TypeVar
 
 from onto_compiler.problems import OntoError
 
-__all__ = ["map_over_processes"]
+__all__ = ["WorkerDiedError", "map_over_processes"]
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 
-def map_over_processes(
-    function: Callable[[Item], Result], items: Sequence[Item], jobs: int
-) -> Iterator[tuple[Item, Result]]:
-    """Each of ``items`` with what the module-level ``function`` gives for it, as they are done.
+class WorkerDiedError(OntoError):
+    """A process ended before its function did, and with it the processes beside it; the code is ``CLI007``."""
 
-    Raises ``DEM007`` where a process died; what was written until then is kept.
+
+def map_over_processes(
+    function: Callable[[Item], Result], items: Sequence[Item], jobs: int, *, apart: bool = False
+) -> Iterator[tuple[Item, Result]]:
+    """Each of ``items`` with what the module-level ``function`` gives for it, in the order in which they finish.
+
+    Where one process is enough it is this one, unless ``function`` must run ``apart``: in a process of its own, whose
+    death this one survives. Items that have not begun when the caller stops are dropped.
+
+    Raises:
+        WorkerDiedError: where a process was ended, for want of memory say; what was yielded before is sound.
     """
-    if jobs <= 1 or len(items) <= 1:
+    if not items:
+        return
+    workers = min(jobs, len(items))
+    if workers <= 1 and not apart:
         yield from ((item, function(item)) for item in items)
         return
     # spawn: MuJoCo and Oxigraph hold threads, which a fork would cut in half.
-    with ProcessPoolExecutor(max_workers=min(jobs, len(items)), mp_context=get_context("spawn")) as pool:
-        pending = {pool.submit(function, item): item for item in items}
+    with ProcessPoolExecutor(max(workers, 1), mp_context=get_context("spawn")) as pool:
         try:
+            pending = {pool.submit(function, item): item for item in items}
             for future in as_completed(pending):
                 yield pending[future], future.result()
         except BrokenProcessPool as error:
-            message = "a process died, out of memory perhaps"
-            raise OntoError.of("DEM007", message, "run the same command again; it goes on where it stopped") from error
+            message = "a worker process was ended from outside, perhaps for want of memory"
+            hint = "run the command again with fewer processes (--jobs)"
+            raise WorkerDiedError.of("CLI007", message, hint) from error
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise

@@ -39,7 +39,7 @@ class Problem:
     line: int
     column: int
     code: str
-    severity: str  # "error" | "warning"
+    severity: str  # "error" | "warning" | "info": what is worth knowing and never fails a check
     message: str
     hint: str = ""
     end_line: int = 0  # the end is exclusive; 0 where only the start is known

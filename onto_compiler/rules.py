@@ -13,9 +13,11 @@ from typing import cast
 
 from pyoxigraph import NamedNode, Quad, QuerySolutions, QueryTriples, Store, Triple
 
+from onto_compiler.placed import placed
 from onto_compiler.problems import OntoError
 from onto_compiler.rdf import RDFS, node, prologue
 from onto_compiler.shacl.graph import Graph
+from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.prebinding import is_joined
 from onto_compiler.shacl.rules import GraphRule, RuleBase, read_rule_base
 
@@ -44,10 +46,14 @@ def read_rules(store: Store) -> tuple[Rule, ...]:
     """Every rule in ``store`` that is not deactivated, in the order in which they run.
 
     Raises:
-        ShapeFault: a rule is of a kind that is not known, or lacks a part.
+        OntoError: SHP002, where a rule is of a kind that is not known or lacks a part; QRY001 to QRY003, where its
+            query must not be asked.
     """
     graph = Graph.of_store(store)
-    base = read_rule_base(graph)
+    try:
+        base = read_rule_base(graph)
+    except ShapeFault as fault:
+        raise placed(store, fault) from fault
     rules = [rule for one in base.rules for rule in _rules(graph, base, one)]
     return tuple(sorted(rules, key=lambda rule: (rule.shape_order, rule.order, rule.iri, rule.target)))
 

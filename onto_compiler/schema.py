@@ -38,7 +38,9 @@ class PredicateSignature:
     margin_unit: str | None  # a QUDT unit IRI; None where no continuous margin is defined
     grounded_by: str | None  # the registered name of the function that grounds it, unless its binding names another
     definition: str = ""
+    acyclic: bool = False  # with the others of this kind: nothing stands in it to itself, not even by way of others
     tolerance: float | None = None  # what its margin is counted from, in the margin's unit; None where it has none
+    moves: int | None = None  # the argument (from 0) that is moved to bring a fact about; None where none is
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +91,7 @@ class PreconditionRule:
     native: str
     must_hold: bool = True
     others: str | None = None
+    extends: frozenset[str] = frozenset()  # predicates, or kinds, that need it too of what such a fact places
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,10 +141,15 @@ class Schema:
     preconditions: tuple[PreconditionRule, ...] = ()
     notations: Mapping[str, str] = field(default_factory=dict)  # term IRI -> its short name in records and JSON
     scores: Mapping[str, Score] = field(default_factory=dict)  # by name
+    symbols: Mapping[str, str] = field(default_factory=dict)  # IRI of a unit -> its ``qudt:symbol``
 
     def is_a(self, cls: str, ancestor: str) -> bool:
         """Whether class ``cls`` is ``ancestor`` or one of its subclasses."""
         return ancestor in self.classes.get(cls, frozenset((cls,)))
+
+    def symbol(self, unit: str) -> str:
+        """How the unit of this IRI is written, or its local name where the ontology does not say."""
+        return self.symbols.get(unit, local_name(unit))
 
     def threshold(self, iri: str) -> JointThreshold | None:
         """The joint threshold whose IRI is ``iri``."""

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from pyoxigraph import Store
 
+from onto_compiler.placed import placed
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
 from onto_compiler.shacl.model import ShapeFault, ShapeResult, Shapes
@@ -19,10 +20,13 @@ def compile_shapes(store: Store, faults: list[ShapeFault] | None = None) -> Shap
     """Every shape of ``store`` that has a target. Shapes that cannot run are left out and appended to ``faults``.
 
     Raises:
-        ShapeFault: the first of them, where no list is given.
+        OntoError: the first of them, where no list is given.
 
     """
-    return compile_graph(Graph.of_store(store), faults)
+    try:
+        return compile_graph(Graph.of_store(store), faults)
+    except ShapeFault as fault:
+        raise placed(store, fault) from fault
 
 
 def validate(store: Store, shapes: Shapes, faults: list[ShapeFault] | None = None) -> tuple[ShapeResult, ...]:

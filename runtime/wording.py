@@ -1,15 +1,15 @@
-"""How a fact, an amount, a unit and a number of things are said to a person."""
+"""How a fact, a margin and its unit are written for a person, and how lines are wrapped."""
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Iterable, Iterator
 from math import isnan
 
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema, local_name
 
-__all__ = ["amount", "atom", "counted", "short_name", "unit_of"]
-
-_SYMBOLS = {"M": "m", "M-PER-SEC": "m s⁻¹", "RAD": "rad", "N": "N"}
+__all__ = ["amount", "atom", "short_name", "unit_of", "wrapped"]
 
 
 def short_name(iri: str, schema: Schema) -> str:
@@ -30,7 +30,7 @@ def unit_of(fact: Fact, schema: Schema) -> str:
     if unit is None:
         thresholds = (schema.threshold(argument.type) for argument in fact.arguments)
         unit = next((threshold.unit for threshold in thresholds if threshold is not None), None)
-    return "" if unit is None else _SYMBOLS.get(local_name(unit), local_name(unit))
+    return "" if unit is None else schema.symbol(unit)
 
 
 def amount(margin: float, unit: str) -> str:
@@ -42,6 +42,10 @@ def amount(margin: float, unit: str) -> str:
     return f"{margin:+.3g} {unit}".rstrip()
 
 
-def counted(number: int, noun: str) -> str:
-    """``1 task``, ``2 tasks``."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
+def wrapped(lines: Iterable[str], width: int = 80) -> Iterator[str]:
+    """``lines`` for a terminal of ``width`` columns; what continues a line is indented by two more than it."""
+    for line in lines:
+        indent = " " * (len(line) - len(line.lstrip()) + 2)
+        yield from textwrap.wrap(
+            line, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+        ) or [""]

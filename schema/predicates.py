@@ -9,6 +9,7 @@ __all__ = [
     "Agent",
     "ArticulatedFixture",
     "ArticulatedJoint",
+    "AtLevel",
     "AtTarget",
     "BackOf",
     "Ball",
@@ -23,6 +24,7 @@ __all__ = [
     "Fixture",
     "FreeOf",
     "FrontOf",
+    "Grasped",
     "InRegion",
     "Inside",
     "JointState",
@@ -31,6 +33,7 @@ __all__ = [
     "LeftOf",
     "LevelName",
     "ModeName",
+    "Near",
     "Object",
     "On",
     "OutcomeName",
@@ -46,6 +49,7 @@ __all__ = [
     "SupportSite",
     "Target",
     "Threshold",
+    "Touching",
     "UnitName",
     "VelocityMatches",
     "Wall",
@@ -100,17 +104,21 @@ OutcomeName: TypeAlias = Literal[
 ]
 
 PredicateName: TypeAlias = Literal[
+    "at_level",
     "at_target",
     "back_of",
     "contact",
     "free_of",
     "front_of",
+    "grasped",
     "in_region",
     "inside",
     "joint_state",
     "left_of",
+    "near",
     "on",
     "right_of",
+    "touching",
     "velocity_matches",
 ]
 
@@ -446,3 +454,51 @@ class VelocityMatches(Fact):
     iri: ClassVar[str] = "https://w3id.org/onto-evwm/navigation#velocity_matches"
     predicate: ClassVar[PredicateName] = "velocity_matches"
     unit: ClassVar[UnitName | None] = "m s⁻¹"
+
+
+@dataclass(frozen=True)
+class AtLevel(Fact):
+    """Holds when the origin of the first argument is no more than the tolerance above the second, or below it."""
+
+    first: Object
+    second: Site
+    polarity: bool = True
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/robosuite#at_level"
+    predicate: ClassVar[PredicateName] = "at_level"
+    unit: ClassVar[UnitName | None] = "m"
+
+
+@dataclass(frozen=True)
+class Grasped(Fact):
+    """Holds when both fingerpads of the second argument touch the first."""
+
+    first: Object
+    second: Fixture
+    polarity: bool = True
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/robosuite#grasped"
+    predicate: ClassVar[PredicateName] = "grasped"
+    unit: ClassVar[UnitName | None] = "m"
+
+
+@dataclass(frozen=True)
+class Near(Fact):
+    """Holds when the origin of the first argument is no farther from the second than the tolerance."""
+
+    first: Object
+    second: Site
+    polarity: bool = True
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/robosuite#near"
+    predicate: ClassVar[PredicateName] = "near"
+    unit: ClassVar[UnitName | None] = "m"
+
+
+@dataclass(frozen=True)
+class Touching(Fact):
+    """Holds when the arguments are in contact."""
+
+    first: Object
+    second: Landmark
+    polarity: bool = True
+    iri: ClassVar[str] = "https://w3id.org/onto-evwm/robosuite#touching"
+    predicate: ClassVar[PredicateName] = "touching"
+    unit: ClassVar[UnitName | None] = "m"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.required import Fact
+from onto_compiler.schema import Schema, local_name
 
-__all__ = ["one_name", "two_names", "unsuited"]
+__all__ = ["one_name", "tolerance_of", "two_names", "unsuited"]
 
 
 def one_name(fact: Fact) -> str:
@@ -21,6 +22,15 @@ def two_names(fact: Fact) -> tuple[str, str]:
         raise unsuited(fact, f"`{fact.grounded_by}` tests two names, `{fact.native}` has {len(fact.native.arguments)}")
     first, second = fact.native.arguments
     return first, second
+
+
+def tolerance_of(fact: Fact, schema: Schema) -> float:
+    """The tolerance that the TBox gives the fact's predicate; raises ``SIM006`` where it gives none."""
+    tolerance = schema.predicates[fact.predicate].tolerance
+    if tolerance is None:
+        name = local_name(fact.predicate)
+        raise unsuited(fact, f"`{name}` has no tolerance to count a margin from", f"give `{name}` a core:tolerance")
+    return tolerance
 
 
 def unsuited(fact: Fact, message: str, hint: str = "") -> OntoError:

@@ -18,7 +18,7 @@ from grounding.scenes import Scene
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema
 
-__all__ = ["in_site"]
+__all__ = ["in_site", "inside_site"]
 
 SINK = 0.01  # metres that an origin may lie below the box
 
@@ -29,6 +29,15 @@ def in_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG
     The box is axis-aligned with half sizes ``abs(xmat @ size)``, as upstream has it: exact for turns by right angles
     only. Raises ``SIM001`` or ``SIM002`` for an unknown name, ``SIM006`` for a wrong number of arguments.
     """
+    return _in_box(scene, fact, SINK)
+
+
+def inside_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG001  a factory's signature
+    """Ground ``In(object, region)`` with no depth allowed below the box; raises as :func:`in_site`."""
+    return _in_box(scene, fact, 0.0)
+
+
+def _in_box(scene: Scene, fact: Fact, sink: float) -> Grounding:
     name, region = two_names(fact)
     body, site = scene.root_body(name), scene.site(region)
     size = scene.model.site_size[site].copy()
@@ -37,7 +46,7 @@ def in_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG
         centre = data.site_xpos[site]
         half = np.abs(data.site_xmat[site].reshape((3, 3)) @ size)
         lower, upper = centre - half, centre + half
-        lower[2] -= SINK
+        lower[2] -= sink
         origin = data.xpos[body]
         below, above = (origin - lower).tolist(), (upper - origin).tolist()
         return tuple(
@@ -46,4 +55,4 @@ def in_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG
         )
 
     x, y, z = size.tolist()
-    return Grounding(terms, all_of, SiteBox(body, site, (x, y, z), SINK))
+    return Grounding(terms, all_of, SiteBox(body, site, (x, y, z), sink))

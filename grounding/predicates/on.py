@@ -42,7 +42,7 @@ def on_object(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: A
         near = float(NEAR - np.linalg.norm(below[:2] - above[:2]))
         return (Term("height", height, height >= 0.0), Term("xy", near, near > 0.0))
 
-    return Grounding(terms, all_of, Disc(upper, lower, NEAR, contact), contact)
+    return Grounding(terms, all_of, Disc(upper, lower, NEAR, contact.sides), contact)
 
 
 def on_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG001  a factory's signature
@@ -69,4 +69,5 @@ def on_site(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG
         return tuple(Term(term, margin, margin > 0.0) for term, margin in box)
 
     x, y, _ = half.tolist()
-    return Grounding(terms, all_of, Box(body, site, (-x, -y, floor), (x, y, ceiling), contact), contact)
+    plan = Box(body, site, (-x, -y, floor), (x, y, ceiling), contact.sides if contact else None)
+    return Grounding(terms, all_of, plan, contact)

@@ -15,12 +15,12 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from grounding.predicates.arguments import two_names, unsuited
+from grounding.predicates.arguments import tolerance_of, two_names, unsuited
 from grounding.predicates.terms import Grounding, Term, all_of
 from grounding.scenes import Scene
 from onto_compiler.problems import OntoError
 from onto_compiler.required import Fact
-from onto_compiler.schema import Schema, local_name
+from onto_compiler.schema import Schema
 
 __all__ = ["apart", "at_target", "clearance", "free_of", "target_address", "velocity_matches"]
 
@@ -35,7 +35,7 @@ def at_target(scene: Scene, fact: Fact, schema: Schema) -> Grounding:
     state of the target, or where the predicate has no tolerance.
     """
     agent, target = two_names(fact)
-    tolerance, address = _tolerance(fact, schema), target_address(scene.model, target, fact)
+    tolerance, address = tolerance_of(fact, schema), target_address(scene.model, target, fact)
     places, _ = _slides(scene, agent, fact)
 
     def terms(data: mujoco.MjData) -> Sequence[Term]:
@@ -51,7 +51,7 @@ def velocity_matches(scene: Scene, fact: Fact, schema: Schema) -> Grounding:
     Raises as :func:`at_target`.
     """
     agent, target = two_names(fact)
-    tolerance, address = _tolerance(fact, schema), target_address(scene.model, target, fact)
+    tolerance, address = tolerance_of(fact, schema), target_address(scene.model, target, fact)
     _, speeds = _slides(scene, agent, fact)
 
     def terms(data: mujoco.MjData) -> Sequence[Term]:
@@ -68,7 +68,7 @@ def free_of(scene: Scene, fact: Fact, schema: Schema) -> Grounding:
     shapes and where the predicate has no tolerance.
     """
     agent, wall = two_names(fact)
-    tolerance = _tolerance(fact, schema)
+    tolerance = tolerance_of(fact, schema)
     model = scene.model
     ball, boxes = scene.contact_geoms(agent), scene.contact_geoms(wall)
     round_ = [int(model.geom_type[geom]) == mujoco.mjtGeom.mjGEOM_SPHERE for geom in ball]
@@ -116,14 +116,6 @@ def target_address(model: mujoco.MjModel, target: str, fact: Fact | None = None)
         hint = f"name the address in userdata of its four numbers by a custom numeric `{target}_state`"
         raise OntoError.of("SIM006", message, hint) if fact is None else unsuited(fact, message, hint)
     return address
-
-
-def _tolerance(fact: Fact, schema: Schema) -> float:
-    tolerance = schema.predicates[fact.predicate].tolerance
-    if tolerance is None:
-        name = local_name(fact.predicate)
-        raise unsuited(fact, f"`{name}` has no tolerance to count a margin from", f"give `{name}` a core:tolerance")
-    return tolerance
 
 
 def _slides(scene: Scene, agent: str, fact: Fact) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import mujoco
 
 from grounding.observation import Evidence
 from grounding.plans import Plan
 
-if TYPE_CHECKING:
-    from grounding.predicates.contact import ContactTerm
-
-__all__ = ["Grounding", "Term", "all_of", "any_of"]
+__all__ = ["Condition", "Grounding", "Term", "all_of", "any_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +30,14 @@ class Term:
     of: str = ""
 
 
+class Condition(Protocol):
+    """A condition that is dear to measure, and so asked last."""
+
+    def __call__(self, data: mujoco.MjData, least: float = ...) -> Term:
+        """The term of a forwarded state; where its margin is above ``least``, any margin that is, too."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Grounding:
     """One fact's predicate on one scene, ids resolved: call it for :class:`Evidence`, :meth:`terms` for the breakdown.
@@ -43,7 +49,7 @@ class Grounding:
     conditions: Callable[[mujoco.MjData], Sequence[Term]]
     combine: Callable[[Sequence[Term]], Evidence]
     plan: Plan | None = None
-    contact: ContactTerm | None = None
+    contact: Condition | None = None
 
     def __call__(self, data: mujoco.MjData) -> Evidence:
         """Truth and margin in ``data``, which must be forwarded and belong to the scene's model.
@@ -53,7 +59,7 @@ class Grounding:
         conditions = self.conditions(data)
         if self.contact is None:
             return self.combine(conditions)
-        return self.combine((*conditions, self.contact(data, min(map(_margin, conditions)))))
+        return self.combine((*conditions, self.contact(data, min(map(_margin, conditions), default=math.inf))))
 
     def terms(self, data: mujoco.MjData) -> tuple[Term, ...]:
         """Every condition with its own margin."""

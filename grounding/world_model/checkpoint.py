@@ -11,7 +11,6 @@ import hashlib
 import json
 import math
 import struct
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
@@ -22,6 +21,7 @@ from safetensors import SafetensorError
 from safetensors.torch import load as tensors_of
 from safetensors.torch import save as bytes_of
 
+from onto_compiler.atomic import replacing
 from onto_compiler.problems import OntoError, Problem
 
 __all__ = ["Card", "Checkpoint", "checksum", "fill", "load", "read_card", "restore", "save"]
@@ -96,11 +96,8 @@ def save(path: Path, tensors: Mapping[str, torch.Tensor], card: Card) -> None:
     values = _plain(card)
     about = json.dumps({"card": values, "sha256": _seal(values, checksum(ready))}, sort_keys=True)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as scratch:
-            partial = Path(scratch) / path.name
+        with replacing(path) as partial:
             partial.write_bytes(bytes_of(ready, {_KEY: about}))
-            partial.replace(path)
     except OSError as error:
         raise OntoError.of("WM006", f"the checkpoint cannot be written: {error.strerror}", "", str(path)) from error
 

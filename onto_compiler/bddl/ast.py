@@ -66,6 +66,7 @@ class Region:
     yaw: tuple[float, float] | None = None
     rgba: tuple[float, float, float, float] | None = None
     span: Span = field(default=NOWHERE, compare=False)
+    yaw_span: Span = field(default=NOWHERE, compare=False)
 
     @property
     def site(self) -> str:

@@ -16,6 +16,7 @@ from lark import Token, Tree
 
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import (
+    NOWHERE,
     And,
     Atom,
     Declaration,
@@ -242,6 +243,7 @@ class _Builder:
             yaw=(yaws[0][0], yaws[0][1]) if yaws else None,
             rgba=(colours[0][0], colours[0][1], colours[0][2], colours[0][3]) if colours else None,
             span=span,
+            yaw_span=self.span(found["yaw_rotation"]) if yaws else NOWHERE,
         )
 
     # Numbers

@@ -39,6 +39,7 @@ NEVER_PLACED: Final = "BDDL030"
 DUPLICATE_ATOM: Final = "BDDL031"
 PASSED_OVER: Final = "BDDL032"
 TOO_LARGE: Final = "BDDL033"
+IGNORED_ROTATION: Final = "BDDL034"
 
-ALL_CODES: Final = tuple(f"BDDL{number:03d}" for number in range(1, 34))
+ALL_CODES: Final = tuple(f"BDDL{number:03d}" for number in range(1, 35))
 """Every code above, in order."""

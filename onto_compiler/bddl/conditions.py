@@ -6,14 +6,14 @@ atom of the goal would be. A state that is written needs none, so they are deriv
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 from onto_compiler.bddl.ast import NOWHERE, Atom, Symbol, TaskSpec
 from onto_compiler.bddl.lift import lift_atom
 from onto_compiler.bddl.scope import Named, Scope, scope_of
 from onto_compiler.problems import Span
-from onto_compiler.required import Fact, Precondition, RequiredABox
+from onto_compiler.required import Entity, Fact, Precondition, RequiredABox
 from onto_compiler.schema import PreconditionRule, Schema
 
 __all__ = ["with_preconditions"]
@@ -22,18 +22,17 @@ __all__ = ["with_preconditions"]
 def with_preconditions(required: RequiredABox, spec: TaskSpec, schema: Schema) -> RequiredABox:
     """``required`` with the preconditions of its facts, which ``spec`` asks for and ``schema`` declares.
 
-    An atom that does not lift in this task (a joint without a threshold, another domain's predicate) is no condition.
+    A precondition that the initial state denies has preconditions of its own, which stand before it: of a stack, what
+    is on top is taken off first. An atom that does not lift in this task (a joint without a threshold, another
+    domain's predicate) is no condition.
     """
-    scope = scope_of(spec, schema)
+    writer = _Writer(required, schema, scope_of(spec, schema), spec.domain)
     found: dict[tuple[Fact, str], list[int]] = {}
     for index, fact in enumerate(required.facts):
-        for rule in schema.preconditions:
-            if not _concerns(rule, fact, schema):
-                continue
-            for atom in _atoms(rule, fact, scope, schema):
-                lifted = lift_atom(atom, scope, schema, spec.domain, polarity=rule.must_hold)
-                if lifted is not None:
-                    found.setdefault((replace(lifted, span=None), rule.iri), []).append(index)
+        for condition, iri in writer.before(fact):
+            indices = found.setdefault((condition, iri), [])
+            if index not in indices:
+                indices.append(index)
     return replace(
         required,
         preconditions=tuple(
@@ -43,15 +42,74 @@ def with_preconditions(required: RequiredABox, spec: TaskSpec, schema: Schema) -
     )
 
 
-def _concerns(rule: PreconditionRule, fact: Fact, schema: Schema) -> bool:
-    kind = schema.predicates[fact.predicate].kind
-    return rule.argument < len(fact.arguments) and any(
-        fact.predicate == one or schema.is_a(kind, one) for one in rule.precedes
-    )
+@dataclass(frozen=True, slots=True)
+class _Writer:
+    required: RequiredABox
+    schema: Schema
+    scope: Scope
+    domain: str
+
+    def before(self, fact: Fact, above: tuple[Fact, ...] = ()) -> Iterator[tuple[Fact, str]]:
+        """The facts that must hold before ``fact`` and the rules that ask for them, in the order that they are met.
+
+        ``above`` are the facts that ``fact`` itself comes before.
+        """
+        for rule in self.schema.preconditions:
+            for needing in self._needing(rule, fact):
+                for atom in _atoms(rule, needing, self.scope, self.schema):
+                    lifted = lift_atom(atom, self.scope, self.schema, self.domain, polarity=rule.must_hold)
+                    if lifted is None:
+                        continue
+                    lifted = replace(lifted, span=None)
+                    if lifted not in above and self._denied(lifted):
+                        yield from self.before(lifted, (*above, lifted))
+                    yield lifted, rule.iri
+
+    def _needing(self, rule: PreconditionRule, fact: Fact) -> Iterator[Fact]:
+        """``fact``, if it needs what ``rule`` asks for; else the facts of its arguments' places that do."""
+        if self._is(fact, rule.precedes):
+            yield fact
+        if not self._is(fact, rule.extends):
+            return
+        moved = self.schema.predicates[fact.predicate].moves
+        waiting = [
+            (each, [] if place == moved else list(self.required.facts)) for place, each in enumerate(fact.arguments)
+        ]
+        seen = {fact.native}
+        while waiting:
+            # An object is worked on where it is, another thing where the goal wants it, or else where it is.
+            entity, goal = waiting.pop(0)
+            for placed in self._places(entity, goal) or self._places(entity, self.required.premise):
+                if placed.native in seen:
+                    continue
+                seen.add(placed.native)
+                if self._is(placed, rule.precedes):
+                    yield placed
+                if self._is(placed, rule.extends):
+                    waiting += [(each, goal) for each in placed.arguments if each != entity]
+
+    def _places(self, entity: Entity, facts: Sequence[Fact]) -> list[Fact]:
+        """Those of ``facts`` that say where ``entity`` is."""
+        found = []
+        for fact in facts:
+            moved = self.schema.predicates[fact.predicate].moves
+            if fact.polarity and moved is not None and fact.arguments[moved] == entity:
+                found.append(fact)
+        return found
+
+    def _denied(self, fact: Fact) -> bool:
+        """Whether the declared initial state says that ``fact`` does not hold."""
+        return any(fact.native == each.native and fact.polarity != each.polarity for each in self.required.premise)
+
+    def _is(self, fact: Fact, kinds: Collection[str]) -> bool:
+        kind = self.schema.predicates[fact.predicate].kind
+        return any(fact.predicate == one or self.schema.is_a(kind, one) for one in kinds)
 
 
 def _atoms(rule: PreconditionRule, fact: Fact, scope: Scope, schema: Schema) -> Iterator[Atom]:
     """The atoms that ``rule`` asks for before ``fact``, at the place of the fact."""
+    if rule.argument >= len(fact.arguments):
+        return
     about = _about(rule, scope.names.get(fact.arguments[rule.argument].name), scope, schema)
     if about is None:
         return

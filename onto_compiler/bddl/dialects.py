@@ -1,7 +1,8 @@
 """The dialects of BDDL: one grammar, and what a task file must have depends on the domain that it names.
 
 LIBERO-Plus and LIBERO-PRO write LIBERO's own dialect: what they vary is the scene and the instruction. BEHAVIOR's tasks
-name WordNet categories, bind variables by quantifiers, and have no instruction. PointMaze's tasks are ours.
+name WordNet categories, bind variables by quantifiers, and have no instruction. PointMaze's and robosuite's tasks are
+ours.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
-__all__ = ["BEHAVIOR", "DIALECTS", "LIBERO", "POINTMAZE", "Dialect", "dialect_of"]
+__all__ = ["BEHAVIOR", "DIALECTS", "LIBERO", "POINTMAZE", "ROBOSUITE", "Dialect", "dialect_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +57,17 @@ POINTMAZE: Final = Dialect(
     opposites=(),
     places=(),
 )
-DIALECTS: Final = (LIBERO, BEHAVIOR, POINTMAZE)
+# robosuite places its objects itself, and its tasks are ours: a task file says what the success condition asks for.
+ROBOSUITE: Final = Dialect(
+    name="robosuite",
+    domains=frozenset({"robosuite_suite"}),
+    needed=("problem", "domain", "language", "init", "goal"),
+    supports=(),
+    contains=(),
+    opposites=(),
+    places=(),
+)
+DIALECTS: Final = (LIBERO, BEHAVIOR, POINTMAZE, ROBOSUITE)
 
 
 def dialect_of(domain: str) -> Dialect:

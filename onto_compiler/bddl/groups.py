@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from onto_compiler.bddl.sections import KEYWORDS, QUANTIFIERS
 
-__all__ = ["MAX_DEPTH", "Group", "groups", "too_deep", "unbalanced"]
+__all__ = ["MAX_DEPTH", "Group", "groups", "swallowed", "too_deep", "unbalanced"]
 
 TOKEN = re.compile(r";[^\n]*|[()]|[^\s();]+")
 MAX_DEPTH = 64
@@ -70,6 +70,20 @@ def unbalanced(text: str) -> tuple[int, str] | None:
         if depth == 0 and closed_at < 0:
             closed_at = match.start()
     return (_left_open(text), "(") if depth else None
+
+
+def swallowed(text: str, position: int, which: str) -> int | None:
+    """Where a comment holds the match that the parenthesis ``which`` at ``position`` lacks; None where none does.
+
+    A comment lacks nothing itself: what it holds in pairs is prose. The match of a ``(`` stands behind it.
+    """
+    missing = ")" if which == "(" else "("
+    for match in TOKEN.finditer(text):
+        comment = match.group()
+        behind = match.start() > position
+        if comment.startswith(";") and behind == (which == "(") and comment.count(missing) > comment.count(which):
+            return match.start() + comment.index(missing)
+    return None
 
 
 def too_deep(text: str) -> int | None:

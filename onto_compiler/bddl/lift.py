@@ -12,12 +12,14 @@ from dataclasses import dataclass, replace
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import Atom, Symbol, TaskSpec, atoms
 from onto_compiler.bddl.dialects import LIBERO, dialect_of
+from onto_compiler.bddl.impossible import impossible
 from onto_compiler.bddl.lint import lint
 from onto_compiler.bddl.literals import goal_of
 from onto_compiler.bddl.scope import Named, Scope, scope_of
 from onto_compiler.problems import OntoError, Problem, near
 from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
 from onto_compiler.schema import Binding, JointThreshold, PredicateSignature, Schema, local_name
+from onto_compiler.wording import plural
 
 __all__ = ["lift", "lift_atom", "required_abox"]
 
@@ -63,7 +65,14 @@ def lift(spec: TaskSpec, schema: Schema, task: str) -> tuple[RequiredABox, tuple
         source=spec.file,
         alternatives=wanted.alternatives,
     )
-    return abox, warnings
+    return abox, _with_impossible(abox, schema, warnings)
+
+
+def _with_impossible(abox: RequiredABox, schema: Schema, warnings: tuple[Problem, ...]) -> tuple[Problem, ...]:
+    """What the typed facts exclude, where the atoms alone did not show it."""
+    if any(each.code in {codes.CONTRADICTION, codes.ITSELF, codes.OPPOSITES} for each in warnings):
+        return warnings
+    return tuple(sorted({*warnings, *(replace(each, severity="warning") for each in impossible(abox, schema))}))
 
 
 def lift_atom(atom: Atom, scope: Scope, schema: Schema, domain: str, *, polarity: bool) -> Fact | None:
@@ -274,8 +283,7 @@ def _fact(atom: Atom, predicate: str, entities: tuple[Entity, ...], grounded_by:
 def _wrong_count(atom: Atom, signatures: Sequence[tuple[str, ...]]) -> Problem:
     expected = sorted({len(each) for each in signatures})
     counts = " or ".join(map(str, expected))
-    plural = "" if expected == [1] else "s"
-    message = f"`{atom.predicate}` takes {counts} argument{plural}, found {len(atom.arguments)}"
+    message = f"`{atom.predicate}` takes {counts} {plural(expected[-1], 'argument')}, found {len(atom.arguments)}"
     return Problem.at(atom.span, codes.ARGUMENT_COUNT, message, f"write {_shown(atom.predicate, signatures)}")
 
 

@@ -1,4 +1,4 @@
-"""What is legal in a task file and yet likely a slip. Findings are warnings."""
+"""What is legal in a task file and yet likely a slip. Findings are warnings; what harms nobody is information."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import PurePath
 
 from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import Declaration, TaskSpec
-from onto_compiler.bddl.dialects import DIALECTS, dialect_of
+from onto_compiler.bddl.dialects import DIALECTS, LIBERO, dialect_of
 from onto_compiler.bddl.lint_goal import lint_goal
 from onto_compiler.bddl.literals import GoalLiterals
 from onto_compiler.problems import Problem, near
@@ -36,6 +36,7 @@ def lint(spec: TaskSpec, goal: GoalLiterals | None = None) -> tuple[Problem, ...
         *_split(spec.fixtures),
         *_split(spec.objects),
         *_placed(spec),
+        *_rotated(spec),
         *_interest(spec),
         *spec.passed_over,
     ]
@@ -79,7 +80,8 @@ def _targets(spec: TaskSpec) -> Iterator[Problem]:
         seen.add(target.name)
         message = f"region `{region.name}` is part of `{target.name}`, which is not declared"
         hint = near(target.name, declared) or f"declare `{target.name}` or remove the region"
-        yield Problem.at(target.span, codes.UNDECLARED_TARGET, message, hint, "warning")
+        # LIBERO's own files hold such regions; an atom that uses one is an error of its own.
+        yield Problem.at(target.span, codes.UNDECLARED_TARGET, message, hint, "info")
 
 
 def _split(declarations: Sequence[Declaration]) -> Iterator[Problem]:
@@ -107,6 +109,29 @@ def _placed(spec: TaskSpec) -> Iterator[Problem]:
             message = f"`{each.name}` is declared, and `:init` does not place it"
             hint = f"say where it is, as in `(On {each.name} ...)`, or remove it" if places else "say where it is"
             yield Problem.at(each.span, codes.NEVER_PLACED, message, hint, "warning")
+
+
+def _rotated(spec: TaskSpec) -> Iterator[Problem]:
+    """Rotations of regions that LIBERO does not read: it turns fixtures by their region, and objects by their class.
+
+    Source: ``_add_placement_initializer`` of LIBERO's ``bddl_base_domain.py``.
+    """
+    if dialect_of(spec.domain) is not LIBERO:
+        return
+    objects = {each.name for each in spec.objects}
+    starts: dict[str, list[str]] = {}
+    for atom in spec.init:
+        if atom.predicate.lower() in LIBERO.places and len(atom.arguments) == 2:
+            starts.setdefault(atom.arguments[1].name, []).append(atom.arguments[0].name)
+    for region in spec.regions:
+        here = starts.get(region.site, [])
+        turned = [name for name in here if name not in objects]
+        if region.yaw in {None, (0.0, 0.0)} or turned:  # LIBERO's generator writes (0 0) for no rotation
+            continue
+        who = f"`{here[0]}`, an object, starts there, and LIBERO turns it as its class says" if here else ""
+        message = f"LIBERO does not read the `:yaw_rotation` of `{region.site}`: {who or 'no fixture starts there'}"
+        hint = "remove it: only a fixture that `:init` puts on the region is turned by it"
+        yield Problem.at(region.yaw_span, codes.IGNORED_ROTATION, message, hint, "warning" if here else "info")
 
 
 def _interest(spec: TaskSpec) -> Iterator[Problem]:

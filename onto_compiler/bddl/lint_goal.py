@@ -7,6 +7,7 @@ choice, since alternatives share their facts.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import TypeAlias
 
 from onto_compiler.bddl import codes
@@ -108,11 +109,43 @@ def _itself(way: Way, dialect: Dialect) -> Iterator[Problem]:
         yield Problem.at(atom.span, codes.ITSELF, message, "name another place", "warning")
 
 
+@dataclass(frozen=True, slots=True)
+class _Start:
+    """What ``:init`` says."""
+
+    dialect: Dialect
+    targets: dict[str, str]  # region: what it is part of
+    true: set[Key]
+    false: set[Key]
+
+    def says(self, atom: Atom, *, polarity: bool) -> bool:
+        """Whether a literal holds at the start: of a negated one, that something else is there in its place."""
+        predicate, arguments = key = _key(atom)
+        if polarity:
+            return key in self.true
+        if key in self.true:
+            return False
+        for one, other in self.dialect.opposites:
+            if predicate in {one, other} and ((other if predicate == one else one), arguments) in self.true:
+                return True
+        placed = (*self.dialect.supports, *self.dialect.contains)
+        elsewhere = any(name in placed and self._apart(where, arguments) for name, where in self.true)
+        return key in self.false or (predicate in placed and elsewhere)
+
+    def _apart(self, one: tuple[str, ...], other: tuple[str, ...]) -> bool:
+        """Whether both speak of one thing, and of places that are not parts of one (regions may overlap)."""
+        if len(one) != 2 or len(other) != 2 or one[0] != other[0]:
+            return False
+        return self.targets.get(one[1], one[1]) != self.targets.get(other[1], other[1])
+
+
 def _already(spec: TaskSpec, goal: GoalLiterals) -> Iterator[Problem]:
     """A goal that the declared start satisfies: some alternative asks for nothing that ``:init`` does not say."""
+    targets = {region.site: region.target.name for region in spec.regions}
     true, false = ({_key(atom) for atom in atoms} for atoms in (spec.init, spec.absent))
+    start = _Start(dialect_of(spec.domain), targets, true, false)
     for way in goal.ways:
-        if way and all(_key(atom) in (true if polarity else false) for atom, polarity in way):
+        if way and all(start.says(atom, polarity=polarity) for atom, polarity in way):
             message = "the goal holds at the start: `:init` declares all that it asks for"
             yield Problem.at(spec.goal.span, codes.ALREADY_TRUE, message, "ask for what is not there yet", "warning")
             return

@@ -14,7 +14,7 @@ from onto_compiler.bddl import codes
 from onto_compiler.bddl.ast import Domain, TaskSpec
 from onto_compiler.bddl.build import build, build_domain
 from onto_compiler.bddl.expected import syntax_problem
-from onto_compiler.bddl.groups import MAX_DEPTH, Group, groups, too_deep, unbalanced
+from onto_compiler.bddl.groups import MAX_DEPTH, Group, groups, swallowed, too_deep, unbalanced
 from onto_compiler.problems import OntoError, Problem, Span, near
 
 __all__ = ["decode", "parse", "parse_domain", "parse_file", "read_bytes", "read_text"]
@@ -163,10 +163,17 @@ def _unbalanced_problem(text: str, file: str, position: int, which: str) -> Prob
     if which == "(":
         word = text[position + 1 :].split(maxsplit=1)
         name = f"({word[0].strip('()')}" if word and word[0].strip("()") else "("
-        return Problem.at(span, codes.UNBALANCED, f"the parenthesis of `{name}` is never closed", "add the missing `)`")
-    rest = text[position + 1 :].strip(" \n\t)")
-    message = "this `)` closes the task, but the file goes on" if rest else "this `)` closes nothing"
-    return Problem.at(span, codes.UNBALANCED, message, "remove it, or add the `(` that it should close")
+        message, hint = f"the parenthesis of `{name}` is never closed", "add the missing `)`"
+    else:
+        rest = text[position + 1 :].strip(" \n\t)")
+        message = "this `)` closes the task, but the file goes on" if rest else "this `)` closes nothing"
+        hint = "remove it, or add the `(` that it should close"
+    lost = swallowed(text, position, which)
+    if lost is not None:
+        place = _point(file, text, lost)
+        message += f": the `{text[lost]}` at {place.line}:{place.column} stands in a comment"
+        hint = f"write the `{text[lost]}` before the `;`, or begin the comment on a line of its own"
+    return Problem.at(span, codes.UNBALANCED, message, hint)
 
 
 def _point(file: str, text: str, position: int) -> Span:

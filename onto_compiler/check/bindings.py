@@ -1,4 +1,4 @@
-"""Checks on the strings of bindings: regular expressions, and the names of grounding functions."""
+"""Checks on names that programs answer to: regular expressions, grounding functions, and what serves a route."""
 
 from __future__ import annotations
 
@@ -7,24 +7,29 @@ from collections.abc import Iterator
 
 from pyoxigraph import NamedNode
 
-import ontology
 from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model
 from onto_compiler.problems import near
 from onto_compiler.rdf import CORE
+from onto_compiler.registered import GROUNDINGS, SERVING, points, route_of
+from onto_compiler.schema import local_name
 
 __all__ = ["check_bindings"]
 
 _PATTERN = NamedNode(CORE + "landmarkPattern")
 _PATTERNS = "SELECT ?binding ?pattern WHERE { ?binding core:landmarkPattern ?pattern }"
 _GROUNDED = """
-SELECT ?term ?property ?name ?file WHERE {
-    VALUES ?property { core:groundedBy core:premiseGroundedBy } GRAPH ?file { ?term ?property ?name } }"""
+SELECT ?term ?property ?name WHERE {
+    VALUES ?property { core:groundedBy core:premiseGroundedBy } ?term ?property ?name }"""
+_ROUTES = """
+SELECT ?route ?level ?notation WHERE {
+    ?route a/rdfs:subClassOf* core:CorrectionRoute ; core:level/skos:notation ?level .
+    OPTIONAL { ?route skos:notation ?notation } }"""
 _NAMED_GROUP = re.compile(r"\(\?<(?=\w)")  # SPARQL's relatives write a named group as JavaScript does
 
 
 def check_bindings(model: Model) -> Iterator[Finding]:
-    """Landmark patterns that are no regular expression or name no landmark; grounding names that are not registered."""
+    """Landmark patterns that are no regular expression or name no landmark; what no installed package registers."""
     for row in model.rows(_PATTERNS):
         text = row["pattern"].value
         try:
@@ -52,6 +57,7 @@ def check_bindings(model: Model) -> Iterator[Finding]:
                 row["pattern"],
             )
     yield from _unregistered(model)
+    yield from _unserved(model)
 
 
 def _back(text: str, position: int) -> int:
@@ -61,17 +67,9 @@ def _back(text: str, position: int) -> int:
 
 
 def _unregistered(model: Model) -> Iterator[Finding]:
-    """Grounding names that neither the shipped bindings nor any installed package (by its entry points) know."""
-    files = {path.as_uri() for path in ontology.turtle_files()}
-    rows = list(model.rows(_GROUNDED))
-    known = {row["name"].value for row in rows if row["file"].value in files}
-    new = [row for row in rows if row["name"].value not in known]
-    if not new:
-        return
-    from importlib.metadata import entry_points  # noqa: PLC0415 - a slow import that the clean path does without
-
-    known |= {entry.name for entry in entry_points(group="onto_evwm.groundings")}
-    for row in new:
+    """Grounding names that no installed package registers."""
+    known = {point.name for point in points(GROUNDINGS)}
+    for row in model.rows(_GROUNDED):
         name = row["name"].value
         if name not in known:
             yield Finding(
@@ -82,4 +80,20 @@ def _unregistered(model: Model) -> Iterator[Finding]:
                 row["term"],
                 row["property"],
                 row["name"],
+            )
+
+
+def _unserved(model: Model) -> Iterator[Finding]:
+    """Routes that no installed package has a proposer, a skill or a mechanism for."""
+    for row in model.rows(_ROUTES):
+        group, what = SERVING.get(row["level"].value, ("", ""))
+        name = row["notation"].value if "notation" in row else local_name(row["route"].value)
+        known = {route_of(point) for point in points(group)} if group else {name}
+        if name not in known:
+            yield Finding(
+                "RTE015",
+                "warning",
+                f"no {what} is registered as `{name}`, so that nothing serves the route `{{subject}}`",
+                near(name, known) or f"install the package that registers it in the entry-point group {group}",
+                row["route"],
             )

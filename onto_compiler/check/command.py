@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from onto_compiler.check.formats import FORMATS, Checked, render
 from onto_compiler.command import CLEAN, FINDINGS, MISUSE, Command, add_format
 from onto_compiler.problems import OntoError, Problem, near
+from onto_compiler.wording import counted
 
 if TYPE_CHECKING:
     from onto_compiler.check.run import Report
@@ -97,7 +98,7 @@ def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
         _say(_summary(problems))
     else:
         seconds = time.perf_counter() - begin
-        files = _count(len(report.files), "file")
+        files = counted(len(report.files), "file")
         _say(f"no problem found in {files} ({report.triples:,} triples), {seconds:.2f} s")
     return FINDINGS if checked.failures else CLEAN
 
@@ -109,7 +110,7 @@ def _fix(arguments: argparse.Namespace) -> int:
     fixed = fix(arguments.paths)
     if arguments.diff:
         sys.stdout.write(diff(fixed, {path: _shown(path) for path in fixed.after}))
-        _say(f"{_count(len(fixed.edits), 'repair')} in {_count(len(fixed.after), 'file')} would be made")
+        _say(f"{counted(len(fixed.edits), 'repair')} in {counted(len(fixed.after), 'file')} would be made")
         return FINDINGS if fixed.edits else CLEAN
     write(fixed)
     for edit in fixed.edits:
@@ -153,16 +154,13 @@ def _shown(file: Path | str) -> str:
 
 
 def _summary(problems: Sequence[Problem]) -> str:
-    kinds = {"error": 0, "warning": 0}
+    kinds = {"error": 0, "warning": 0, "note": 0}
     for problem in problems:
-        kinds[problem.severity] += 1
-    detail = ", ".join(_count(number, kind) for kind, number in kinds.items() if number)
-    files = _count(len({problem.file for problem in problems}), "file")
-    return f"{_count(len(problems), 'problem')} ({detail}) in {files}"
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"
+        kinds["note" if problem.severity == "info" else problem.severity] += 1
+    detail = ", ".join(counted(number, kind) for kind, number in kinds.items() if number)
+    files = counted(len({problem.file for problem in problems}), "file")
+    found = len(problems) - kinds["note"]
+    return f"{counted(found, 'problem')} ({detail}) in {files}" if found else f"no problem found, {detail} in {files}"
 
 
 def _configure_explain(parser: argparse.ArgumentParser) -> None:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from codecs import BOM_UTF8
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote, urlparse
 
-from pyoxigraph import NamedNode, Quad, RdfFormat, Triple, parse
+from pyoxigraph import NamedNode, RdfFormat, parse
 
+from onto_compiler.check.documents import ENDINGS, Document
 from onto_compiler.check.run import Report
 from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
@@ -27,35 +27,9 @@ from onto_compiler.validator.engine import with_implications
 
 __all__ = ["ENDINGS", "Document", "check_data"]
 
-ENDINGS = {
-    ".ttl": RdfFormat.TURTLE,
-    ".nt": RdfFormat.N_TRIPLES,
-    ".trig": RdfFormat.TRIG,
-    ".nq": RdfFormat.N_QUADS,
-    ".rdf": RdfFormat.RDF_XML,
-    ".owl": RdfFormat.RDF_XML,
-    ".xml": RdfFormat.RDF_XML,
-    ".jsonld": RdfFormat.JSON_LD,
-    ".json": RdfFormat.JSON_LD,
-}
-WITH_PLACES = {RdfFormat.TURTLE, RdfFormat.N_TRIPLES, RdfFormat.TRIG, RdfFormat.N_QUADS}
 _NESTED = {RdfFormat.TURTLE, RdfFormat.TRIG}
 _IMPORTS = NamedNode(OWL + "imports")
 _HINT = f"give a file whose name ends in {', '.join(ENDINGS)}, or a folder that holds some"
-
-
-@dataclass(frozen=True, slots=True)
-class Document:
-    """A file as Oxigraph read it. The graphs of a dataset count together."""
-
-    path: Path
-    format: RdfFormat
-    statements: tuple[Quad | Triple, ...]
-
-    @property
-    def has_places(self) -> bool:
-        """Whether lines and columns can be told."""
-        return self.format in WITH_PLACES
 
 
 def check_data(paths: Sequence[Path | str], shapes: Sequence[Path | str]) -> Report:

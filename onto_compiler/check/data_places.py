@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Triple
 
-from onto_compiler.check.data import Document
+from onto_compiler.check.documents import Document
 from onto_compiler.problems import Problem, Span
 from onto_compiler.rdf import RDF, SH, XSD, shorten
 from onto_compiler.shacl.compile import compile_graph
@@ -90,9 +90,11 @@ class _Places:
         self.graph = Graph(statements)
         self.whole = len(self.graph) == len(Graph(s for d in self.documents for s in d.statements))
 
-    def object(self, subject: Term, predicate: Term, value: Term) -> Span | None:
-        """The object of a triple."""
+    def object(self, subject: Term, predicate: Term, value: Term, inside: tuple[int, int] | None = None) -> Span | None:
+        """The object of a triple, or what is ``inside`` it: a character of a literal, and how many from it on."""
         spot = self._triples.get((subject, predicate, value))
+        if spot is not None and inside is not None and spot.located.at_object.kind == "string":
+            return self.maps[spot.path].inside(spot.located.at_object, *inside)
         return self._span(spot, "object")
 
     def predicate(self, subject: Term, predicate: Term) -> Span | None:
@@ -182,12 +184,11 @@ class _Writer:
         parameter = NamedNode(SH + fault.parameter) if fault.parameter else None
         span = None
         if parameter is not None and fault.value is not None:
-            span = self.shapes.object(fault.shape, parameter, fault.value)
+            span = self.shapes.object(fault.shape, parameter, fault.value, fault.inside)
         if span is None and parameter is not None:
             span = self.shapes.predicate(fault.shape, parameter)
         span = span or self.shapes.subject(fault.shape) or Span(str(self.shapes.documents[0].path))
-        message = f"a shape cannot run: {fault.problems[0].message}"
-        return Problem.at(span, "SHP002", message, "correct the shape; see `onto explain SHP002`")
+        return Problem.at(span, *fault.told)
 
     def _where(self, result: ShapeResult) -> Span:
         """From the narrowest place to the widest."""

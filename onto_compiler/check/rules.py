@@ -19,6 +19,7 @@ from onto_compiler.check.order import check_order
 from onto_compiler.check.patterns import Construct, Name, Step, read_construct
 from onto_compiler.compile_schema import read_hierarchy
 from onto_compiler.rdf import CORE, PREFIXES, SH
+from onto_compiler.sparql import refusal
 from onto_compiler.turtle.tokens import Token, tokens
 
 __all__ = ["check_rules"]
@@ -137,8 +138,13 @@ def _prefix_faults(rule: _Rule) -> Iterator[Finding]:
 
 def _parse_faults(rule: _Rule) -> Iterator[Finding]:
     lines = " ".join(f"PREFIX {prefix}: <{iri}>" for prefix, iri in rule.prefixes.items())
+    query = f"{lines}\n{rule.text.value}"
     try:
-        result = Store().query(f"{lines}\n{rule.text.value}")
+        refused = refusal(query)
+        if refused is not None:
+            yield rule.finding(refused.code, refused.message, refused.hint, refused.place(rule.text.value))
+            return
+        result = Store().query(query)
     except SyntaxError as error:
         match = _PLACE.search(str(error))
         line, column, expected = (int(match[1]) - 1, int(match[2]), match[3]) if match else (1, 1, "")

@@ -74,16 +74,14 @@ def _shape_findings(model: Model) -> Iterator[Finding]:
     shapes = with_implications(compile_graph(model.graph, faults))
     for result in validate_graph(model.graph, shapes, faults):
         yield _finding(model, result)
-    for fault in faults:
-        yield Finding(
-            "SHP002",
-            "error",
-            f"a shape cannot run: {fault.problems[0].message}",
-            "correct the shape; see `onto explain SHP002`",
-            fault.shape,
-            NamedNode(SH + fault.parameter) if fault.parameter else None,
-            fault.value,
-        )
+    yield from map(fault_finding, faults)
+
+
+def fault_finding(fault: ShapeFault) -> Finding:
+    """A shape that cannot run, at the parameter that is at fault."""
+    code, message, hint = fault.told
+    parameter = NamedNode(SH + fault.parameter) if fault.parameter else None
+    return Finding(code, "error", message, hint, fault.shape, parameter, fault.value, inside=fault.inside)
 
 
 def _finding(model: Model, result: ShapeResult) -> Finding:

@@ -10,6 +10,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, print_json
+from onto_compiler.wording import counted
 
 if TYPE_CHECKING:  # `onto --help` reads this module, and stays without Oxigraph
     from onto_compiler.diff.compare import Change, Comparison, Release
@@ -53,7 +54,7 @@ def _text(found: Comparison) -> Iterator[str]:
         for change in sorted(own, key=lambda change: not change.breaking):
             yield f"  {'breaking: ' if change.breaking else ''}{_sentence(change, '')}"
         if not release.enough:
-            yield f"  the version must be raised: {release.breaking} breaking {_plural('change', release.breaking)}"
+            yield f"  the version must be raised: {counted(release.breaking, 'breaking change')}"
 
 
 def _markdown(found: Comparison) -> Iterator[str]:
@@ -93,10 +94,6 @@ def _values(values: tuple[str, ...], tick: str) -> str:
     plain = (_PLAIN.sub(r"\1", value) for value in values)
     shown = (value if len(value) <= _LONG else f"{value[: _LONG - 3]}..." for value in plain)
     return ", ".join(f"{tick}{value}{tick}" for value in shown) or "none"
-
-
-def _plural(noun: str, count: int) -> str:
-    return noun if count == 1 else noun + "s"
 
 
 DIFF = Command(

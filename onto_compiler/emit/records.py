@@ -113,6 +113,7 @@ RECORDS: Mapping[str, RecordShape] = {
     "UnmetFact": RecordShape(
         "A diagnosis of one state, with the route that a first attempt would take.",
         {
+            "fact": Field("string"),
             **_FACT,
             **_EVIDENCE,
             "status": Field("word:status", CORE + "status"),
@@ -220,6 +221,7 @@ RECORDS: Mapping[str, RecordShape] = {
             "plans": Field("list:ExecutedPlan", TRACE + "inEpisode", reverse=True, optional=True),
             "outcome": Field("word:outcome", TRACE + "outcome"),
             "accepted": Field("boolean"),
+            "judge": Field("string"),
             "settled": Field("boolean", null=True),
             "verification": Field("record:Verification", TRACE + "verification", null=True),
             "provenance": Field("object"),
@@ -251,6 +253,7 @@ RECORDS: Mapping[str, RecordShape] = {
     "Grounding": RecordShape(
         "What `onto ground --json` prints.",
         {
+            "world": Field("string"),
             "suite": Field("string", TRACE + "suite"),
             "task": Field("string", TRACE + "task"),
             "state": Field("integer", TRACE + "stateIndex"),

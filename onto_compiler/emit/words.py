@@ -34,10 +34,6 @@ def _failures(tbox: TBox) -> list[tuple[str, str]]:
     return [(iri, tbox.name(iri)) for iri in sorted(tbox.schema.failures)]
 
 
-def _unit(tbox: TBox, iri: str) -> str:
-    return tbox.text(iri, _QUDT + "symbol") or local_name(iri)
-
-
 KINDS: Mapping[str, Callable[[TBox], list[tuple[str, str]]]] = {
     "decision": _members(CORE + "Decision", lambda tbox, iri: tbox.name(iri).lower()),
     "end": _members(TRACE + "ExecutionEnd", TBox.name),
@@ -51,5 +47,5 @@ KINDS: Mapping[str, Callable[[TBox], list[tuple[str, str]]]] = {
     "route": lambda tbox: [(iri, tbox.name(iri)) for iri in sorted(tbox.schema.routes)],
     "source": _members(CORE + "Source", TBox.name),
     "status": _members(CORE + "Status", TBox.label),
-    "unit": _members(_QUDT + "Unit", _unit),
+    "unit": _members(_QUDT + "Unit", lambda tbox, iri: tbox.schema.symbol(iri)),
 }

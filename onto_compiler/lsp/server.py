@@ -221,7 +221,8 @@ def _publish(server: OntoServer, document: TextDocument, problems: tuple[Problem
 
 
 def _diagnostic(document: TextDocument, problem: Problem) -> types.Diagnostic:
-    severity = types.DiagnosticSeverity.Error if problem.severity == "error" else types.DiagnosticSeverity.Warning
+    levels = types.DiagnosticSeverity
+    severity = {"error": levels.Error, "warning": levels.Warning, "info": levels.Information}[problem.severity]
     message = f"{problem.message}\n{problem.hint}" if problem.hint else problem.message
     return types.Diagnostic(
         range=_range(document, _word_at(document, problem)),

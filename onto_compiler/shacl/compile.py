@@ -16,7 +16,7 @@ from onto_compiler.shacl.model import Check, Shape, ShapeFault, Shapes, Target
 from onto_compiler.shacl.paths import Path, read_path
 from onto_compiler.shacl.prebinding import read_query
 from onto_compiler.shacl.reader import Parameter, Reader, local
-from onto_compiler.shacl.sparql import Component, components, custom_checks, prefixes, sparql_check
+from onto_compiler.shacl.sparql import Component, components, custom_checks, sparql_check
 
 __all__ = ["Compiler", "compile_graph"]
 
@@ -133,8 +133,8 @@ class Compiler:
         """A ``sh:SPARQLTarget``, or a target of a declared type, whose parameters the target has."""
         reader = self.reader
         for holder in (target, *reader.values(target, _TYPE)):
-            select = reader.one(holder, "select")
-            if select is None:
+            text = reader.query(holder, "select")
+            if text is None:
                 continue
             given = {
                 path.value.rpartition("#")[2].rpartition("/")[2]: value
@@ -143,25 +143,35 @@ class Compiler:
                 if isinstance(path, NamedNode)
                 for value in reader.values(target, path)[:1]
             }
-            text = prefixes(reader, holder) + select.value
             bound, _ = read_query(text, given).bind(given)
             return Target("query", target, bound)
         raise ShapeFault("the sh:target has no sh:select", node, "target", target)
 
 
+def _candidates(graph: Graph) -> list[Term]:
+    """Every node that is declared as a shape or has a target."""
+    found: set[Term] = {node for kind in _SHAPES for node in graph.instances(kind)}
+    for name in (*_TARGETS, "target"):
+        found.update(graph.holders(NamedNode(SH + name)))
+    return sorted(found, key=str)
+
+
 def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shapes:
     """Every shape of ``graph`` that has a target. Shapes that cannot run are left out and appended to ``faults``.
+
+    Queries that must not be asked are appended too, whether a shape uses them or not.
 
     Raises:
         ShapeFault: the first of them, where no list is given.
 
     """
     compiler = Compiler(graph)
-    candidates: set[Term] = {node for kind in _SHAPES for node in graph.instances(kind)}
-    for name in (*_TARGETS, "target"):
-        candidates.update(graph.holders(NamedNode(SH + name)))
+    for refused in compiler.reader.refused():
+        if faults is None:
+            raise refused
+        faults.append(refused)
     roots = []
-    for node in sorted(candidates, key=str):
+    for node in _candidates(graph):
         try:
             if isinstance(node, Literal) or not any(True for _ in compiler.targets(node)):
                 continue
@@ -169,9 +179,9 @@ def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shape
         except ShapeFault as fault:
             if faults is None:
                 raise
-            if not any(str(fault) == str(other) and fault.shape == other.shape for other in faults):
+            if not any(fault.same(other) for other in faults):
                 faults.append(fault)
         else:
             if not shape.deactivated:
                 roots.append(shape)
-    return Shapes(tuple(roots), compiler.known, graph, declared_functions(compiler.reader))
+    return Shapes(tuple(roots), compiler.known, graph, declared_functions(compiler.reader, faults))

@@ -15,6 +15,7 @@ from onto_compiler.shacl.model import Check, Custom, Hit, PerValue, Run, Whole
 from onto_compiler.shacl.patterns import matcher
 from onto_compiler.shacl.reader import Parameter, shown
 from onto_compiler.shacl.values import is_well_formed, less
+from onto_compiler.wording import plural
 
 __all__ = ["COMPONENTS", "Builder"]
 
@@ -43,7 +44,7 @@ def _class(own: Parameter) -> Iterator[Check]:
     wanted = own.iri()
 
     def test(run: Run, value: Term) -> bool:
-        return value in run.data.instances(wanted)
+        return run.data.is_a(value, wanted)
 
     yield PerValue(_component(own), test, f"must be an instance of {shown(wanted)}")
 
@@ -77,7 +78,7 @@ def _count(*, least: bool) -> Builder:
             found = len(values)
             return (None,) if (found < limit if least else found > limit) else ()
 
-        noun = "value" if limit == 1 else "values"
+        noun = plural(limit, "value")
         yield Whole(_component(own), find, f"must have at {'least' if least else 'most'} {limit} {noun}")
 
     return build

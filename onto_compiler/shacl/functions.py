@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, cast
 
-from pyoxigraph import Literal, NamedNode, QueryBoolean, QueryTriples, Store
+from pyoxigraph import Literal, NamedNode, QueryBoolean, QueryTriples
 
 from onto_compiler.rdf import SH, boolean
-from onto_compiler.shacl.graph import Term
+from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.prebinding import Query, read_query
 from onto_compiler.shacl.reader import Reader
-from onto_compiler.shacl.sparql import prefixes
 
 __all__ = ["Functions", "declared_functions"]
 
@@ -20,22 +19,36 @@ Function = Callable[..., Any]
 
 
 class Functions(dict[NamedNode, Function]):
-    """The functions by IRI. They ask ``store``, which the validation sets before it begins."""
+    """The functions by IRI. They ask ``data``, which the validation sets before it begins."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.store = Store()
+        self.data = Graph()
 
 
-def declared_functions(reader: Reader) -> Functions:
-    """Every SPARQL function of a shapes graph. Parameters are ordered by ``sh:order``, then by local name."""
+def declared_functions(reader: Reader, faults: list[ShapeFault] | None = None) -> Functions:
+    """Every SPARQL function of a shapes graph. Parameters are ordered by ``sh:order``, then by local name.
+
+    Functions that must not be asked are left out and appended to ``faults``.
+
+    Raises:
+        ShapeFault: the first of them, where no list is given.
+
+    """
     found = Functions()
     for one in reader.graph.instances(NamedNode(SH + "SPARQLFunction")):
-        body = reader.one(one, "select") or reader.one(one, "ask")
+        try:
+            body = reader.query(one, "select") or reader.query(one, "ask")
+        except ShapeFault as fault:
+            if faults is None:
+                raise
+            if not any(fault.same(other) for other in faults):
+                faults.append(fault)
+            continue
         if not isinstance(one, NamedNode) or body is None:
             continue
         names = [name for _, name in sorted(_parameters(reader, one))]
-        found[one] = _function(one, found, read_query(prefixes(reader, one) + body.value, names), names)
+        found[one] = _function(one, found, read_query(body, names), names)
     return found
 
 
@@ -54,7 +67,7 @@ def _function(name: NamedNode, known: Functions, query: Query, names: Sequence[s
         text, extra = query.bind(dict(zip(names, arguments, strict=False)))
         everything: Mapping[NamedNode, Function] = {**known, **extra}
         try:
-            answer = known.store.query(text, use_default_graph_as_union=True, custom_functions=dict(everything))
+            answer = known.data.store.query(text, use_default_graph_as_union=True, custom_functions=dict(everything))
         except SyntaxError as error:
             said = " ".join(str(error).partition(", [")[0].split())
             raise ShapeFault(f"the function {name} cannot run: {said}", name) from error

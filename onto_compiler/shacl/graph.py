@@ -31,18 +31,21 @@ class Graph:
     def __init__(self, quads: Iterable[Quad | Triple] = (), store: Store | None = None) -> None:
         self._forward: dict[NamedNode, dict[Term, Ordered]] = {}
         self._backward: dict[NamedNode, dict[Term, Ordered]] = {}
-        self._instances: dict[Term, Ordered] = {}
-        self._predicates: dict[Term, list[NamedNode]] = {}
+        self._subclasses: dict[Term, Ordered] = {}
+        self._described: dict[Term, list[NamedNode]] = {}
         self._written: dict[Literal, Literal] | None = None
         self._given, self._store = store, store
         forward = self._forward
         for quad in quads:
-            by_subject = forward.setdefault(quad.predicate, {})
-            subject, value = cast("Term", quad.subject), cast("Term", quad.object)
-            if subject in by_subject:
-                by_subject[subject][value] = None
+            predicate, subject = quad.predicate, quad.subject
+            by_subject = forward.get(predicate)
+            if by_subject is None:
+                by_subject = forward[predicate] = {}
+            values = by_subject.get(subject)  # type: ignore[arg-type]  # a quoted triple is no subject of ours
+            if values is None:
+                by_subject[subject] = {quad.object: None}  # type: ignore[index, dict-item]
             else:
-                by_subject[subject] = {value: None}
+                values[quad.object] = None  # type: ignore[index]
 
     @classmethod
     def of_store(cls, store: Store) -> Graph:
@@ -70,10 +73,10 @@ class Graph:
             return False
         values[value] = None
         self._backward.pop(triple.predicate, None)
-        self._predicates.clear()
+        self._described.clear()
         self._written = None
-        if triple.predicate in {_TYPE, _SUBCLASS}:
-            self._instances.clear()
+        if triple.predicate == _SUBCLASS:
+            self._subclasses.clear()
         if self._store is not None:
             self._store.add(Quad(triple.subject, triple.predicate, triple.object))
         return True
@@ -88,7 +91,11 @@ class Graph:
 
     def sources(self, value: Term, predicate: NamedNode) -> Mapping[Term, None]:
         """As :meth:`subjects`, with the arguments of :meth:`objects`."""
-        return self.values(predicate).get(value, _NOTHING)
+        return self.subjects(predicate, value)
+
+    def describes(self, node: Term) -> bool:  # noqa: ARG002 - records describe less than what they know
+        """Whether a shape that names ``node`` for its target has it for a focus node: here, always."""
+        return True
 
     def holders(self, predicate: NamedNode) -> Mapping[Term, Ordered]:
         """Every node that has a property, with its values."""
@@ -104,32 +111,43 @@ class Graph:
                     backward.setdefault(value, {})[subject] = None
         return backward
 
-    def predicates(self, subject: Term) -> list[NamedNode]:
-        """The properties that a node has."""
-        if not self._predicates:
+    @property
+    def described(self) -> Mapping[Term, list[NamedNode]]:
+        """Every node that has a property, with its properties."""
+        if not self._described:
             for predicate, by_subject in self._forward.items():
                 for own in by_subject:
-                    self._predicates.setdefault(own, []).append(predicate)
-        return self._predicates.get(subject, [])
+                    self._described.setdefault(own, []).append(predicate)
+        return self._described
 
-    def instances(self, cls: Term) -> Mapping[Term, None]:
+    def predicates(self, subject: Term) -> list[NamedNode]:
+        """The properties that a node has."""
+        return self.described.get(subject, [])
+
+    def instances(self, cls: Term) -> Ordered:
         """The SHACL instances of a class: those of its subclasses are among them (SHACL, section 1.1)."""
-        found = self._instances.get(cls)
-        if found is None:
-            found = self._instances[cls] = {}
-            for one in self.subclasses(cls):
-                found.update(self.subjects(_TYPE, one))
-        return found
+        typed = self.values(_TYPE)
+        return {node: None for one in self.subclasses(cls) for node in typed.get(one, _NOTHING)}
+
+    def is_a(self, node: Term, cls: Term) -> bool:
+        """Whether ``node`` is one of the :meth:`instances` of ``cls``."""
+        below = self.subclasses(cls)
+        # A loop: this is asked of most values, and a generator would cost as much again.
+        for each in self.objects(node, _TYPE):  # noqa: SIM110
+            if each in below:
+                return True
+        return False
 
     def subclasses(self, cls: Term) -> Ordered:
         """A class and all below it."""
-        found: Ordered = {cls: None}
-        todo = [cls]
-        while todo:
-            for below in self.subjects(_SUBCLASS, todo.pop()):
-                if below not in found:
-                    found[below] = None
-                    todo.append(below)
+        found = self._subclasses.get(cls)
+        if found is None:
+            found = self._subclasses[cls] = {cls: None}
+            todo = [cls]
+            while todo:
+                new = [one for one in self.subjects(_SUBCLASS, todo.pop()) if one not in found]
+                found.update(dict.fromkeys(new))
+                todo += new
         return found
 
     def items(self, head: Term) -> list[Term] | None:

@@ -29,11 +29,36 @@ __all__ = [
 
 
 class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError one in any input
-    """A shape that cannot run (SHP002): ``shape``, and the parameter and value of it that are at fault."""
+    """A shape that cannot run (SHP002): ``shape``, and the parameter and value of it that are at fault.
 
-    def __init__(self, message: str, shape: Term, parameter: str = "", value: Term | None = None) -> None:
-        super().__init__(Problem("", 0, 0, "SHP002", "error", message, "see `onto explain SHP002`"))
-        self.shape, self.parameter, self.value = shape, parameter, value
+    ``inside`` is the character of the literal ``value`` that the fault begins at, and how many it covers.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        shape: Term,
+        parameter: str = "",
+        value: Term | None = None,
+        *,
+        code: str = "SHP002",
+        hint: str = "",
+        inside: tuple[int, int] | None = None,
+    ) -> None:
+        super().__init__(Problem("", 0, 0, code, "error", message, hint or f"see `onto explain {code}`"))
+        self.shape, self.parameter, self.value, self.inside = shape, parameter, value, inside
+
+    def same(self, other: ShapeFault) -> bool:
+        """Whether the two say the same of the same shape."""
+        return str(self) == str(other) and self.shape == other.shape
+
+    @property
+    def told(self) -> tuple[str, str, str]:
+        """Code, message and help, where no place is known yet."""
+        problem = self.problems[0]
+        if problem.code == "SHP002":
+            return "SHP002", f"a shape cannot run: {problem.message}", "correct the shape; see `onto explain SHP002`"
+        return problem.code, problem.message, problem.hint
 
     def __reduce__(self) -> tuple[type[OntoError], tuple[Problem, ...]]:
         """Pickle as the plain error: RDF terms stay in their process."""

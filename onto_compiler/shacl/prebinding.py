@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 from pyoxigraph import BlankNode, NamedNode
@@ -162,9 +163,10 @@ def unsupported(text: str, names: Iterable[str]) -> str:
     """What in a query may not stand beside pre-bound variables (appendix A), as a phrase; empty where nothing does."""
     wanted = set(names)
     read = list(tokens(text))
-    for token, following in zip(read, [*read[1:], None], strict=True):
+    for token, following in pairwise([*read, None]):
+        assert token is not None  # noqa: S101 - only the last has nothing behind it
         word = token.text.upper() if token.kind == "word" else ""
-        if word in {"MINUS", "SERVICE", "VALUES"}:
+        if word in {"MINUS", "VALUES"}:
             return f"`{word}` may not stand in the query of a shape"
         if word == "AS" and following is not None and following.kind == "variable" and following.text[1:] in wanted:
             return f"`{following.text}` is given and cannot be assigned"

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from pyoxigraph import BlankNode, Literal, NamedNode
 
-from onto_compiler.rdf import BASE, RDF, RDFS, SH, XSD
+from onto_compiler.rdf import BASE, OWL, RDF, RDFS, SH, XSD
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import ShapeFault
+from onto_compiler.shacl.paths import Path, sparql_path
+from onto_compiler.sparql import refusal
 
 __all__ = ["Parameter", "Reader", "local", "shown"]
 
 _KNOWN = {"rdf": RDF, "rdfs": RDFS, "xsd": XSD, "sh": SH}
+_IMPORTS = NamedNode(OWL + "imports")
+_QUERIES = ("ask", "construct", "select", "update")
+_ANY_PATH = Path("predicate", NamedNode("urn:onto-evwm:path"))
+_PATH = re.compile(r"[$?]PATH\b")
 _CODE, _HINT = NamedNode(BASE + "shapes#code"), NamedNode(BASE + "shapes#hint")
 
 
@@ -45,6 +53,61 @@ class Reader:
     def spoken(self, node: Term) -> tuple[str, str, str]:
         """Message, code and hint that a shape or constraint gives."""
         return self.text(node, "message"), self.text(node, _CODE), self.text(node, _HINT)
+
+    def prefixes(self, node: Term) -> str:
+        """The PREFIX lines that ``sh:prefixes`` of ``node`` stands for, imported ontologies included."""
+        found: dict[str, str] = {}
+        todo, seen = self.values(node, "prefixes"), set[Term]()
+        while todo:
+            header = todo.pop()
+            if header in seen:
+                continue
+            seen.add(header)
+            todo += self.values(header, _IMPORTS)
+            for declaration in self.values(header, "declare"):
+                prefix, namespace = self.one(declaration, "prefix"), self.one(declaration, "namespace")
+                if prefix is not None and namespace is not None:
+                    found[prefix.value] = namespace.value
+        return "".join(f"PREFIX {prefix}: <{namespace}>\n" for prefix, namespace in sorted(found.items()))
+
+    def query(self, node: Term, name: str, path: Path | None = None) -> str | None:
+        """The query ``sh:name`` of ``node`` as it is asked: prefixes in front, ``path`` in place of ``$PATH``.
+
+        This is the only way from a shapes graph to a query. None where there is none.
+
+        Raises:
+            ShapeFault: the query must not be asked (QRY001 to QRY003), needs a path that ``node`` lacks, or mentions
+                SERVICE and is not SPARQL.
+
+        """
+        text = self.one(node, name)
+        if text is None:
+            return None
+        body = text.value
+        if _PATH.search(body):
+            if path is None:
+                raise ShapeFault("`$PATH` stands in a query of a shape without a path", node, name, text)
+            body = _PATH.sub(lambda _: sparql_path(path), body)
+        whole = self.prefixes(node) + body
+        try:
+            refused = refusal(whole)
+        except SyntaxError as error:
+            said = " ".join(str(error).partition(", [")[0].split())
+            raise ShapeFault(f"the query is not SPARQL: {said}", node, name, text) from error
+        if refused is None:
+            return whole
+        place = refused.place(text.value)
+        raise ShapeFault(refused.message, node, name, text, code=refused.code, hint=refused.hint, inside=place)
+
+    def refused(self) -> Iterator[ShapeFault]:
+        """Every query of the graph that must not be asked, whether anything uses it or not."""
+        for name in _QUERIES:
+            for holder in sorted(self.graph.holders(NamedNode(SH + name)), key=str):
+                try:
+                    self.query(holder, name, _ANY_PATH)
+                except ShapeFault as fault:
+                    if fault.problems[0].code != "SHP002":  # what cannot run matters where it is used
+                        yield fault
 
     def shape(self, node: Term) -> Term:
         """A shape that is referred to; it will be compiled too."""

@@ -20,7 +20,6 @@ from onto_compiler.shacl.graph import Graph, Subject, Term
 from onto_compiler.shacl.model import Run, ShapeFault, Shapes, Target
 from onto_compiler.shacl.prebinding import read_query
 from onto_compiler.shacl.reader import Reader
-from onto_compiler.shacl.sparql import prefixes
 from onto_compiler.shacl.validate import Validation, focus_nodes
 
 __all__ = ["GraphRule", "RuleBase", "read_rule_base"]
@@ -87,6 +86,8 @@ def read_rule_base(graph: Graph) -> RuleBase:
 
     """
     compiler = Compiler(graph)
+    for refused in compiler.reader.refused():
+        raise refused
     rules = []
     for shape in sorted(graph.holders(_RULE), key=str):
         if compiler.reader.is_true(shape, "deactivated"):
@@ -148,10 +149,10 @@ def _stating(reader: Reader, shape: Term, node: Term) -> Conclude:
 
 
 def _construct(reader: Reader, shape: Term, node: Term) -> str:
-    body = reader.one(node, "construct")
-    if body is None:
+    text = reader.query(node, "construct")
+    if text is None:
         raise ShapeFault("a sh:SPARQLRule has no sh:construct", shape, "rule", node)
-    return prefixes(reader, node) + body.value
+    return text
 
 
 def _constructing(text: str, shape: Term, node: Term) -> Conclude:

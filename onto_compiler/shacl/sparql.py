@@ -12,34 +12,16 @@ from pyoxigraph import NamedNode
 from onto_compiler.rdf import RDFS, SH
 from onto_compiler.shacl.graph import Term
 from onto_compiler.shacl.model import Check, Custom, Hit, Run, ShapeFault
-from onto_compiler.shacl.paths import Path, sparql_path
+from onto_compiler.shacl.paths import Path
 from onto_compiler.shacl.prebinding import Query, read_query, unsupported
 from onto_compiler.shacl.reader import Reader, local
 
-__all__ = ["SHAPES_GRAPH", "Component", "components", "custom_checks", "fill", "prefixes", "sparql_check"]
+__all__ = ["SHAPES_GRAPH", "Component", "components", "custom_checks", "fill", "sparql_check"]
 
 SHAPES_GRAPH = NamedNode("urn:onto-evwm:shapesGraph")
 _ALWAYS = ("this", "shapesGraph", "currentShape")
 _SLOT = re.compile(r"\{[?$](\w+)\}")
-_SUBCLASS, _IMPORTS = NamedNode(RDFS + "subClassOf"), NamedNode("http://www.w3.org/2002/07/owl#imports")
-_PATH = re.compile(r"[$?]PATH\b")
-
-
-def prefixes(reader: Reader, node: Term) -> str:
-    """The PREFIX lines that ``sh:prefixes`` of ``node`` stands for, imported ontologies included."""
-    found: dict[str, str] = {}
-    todo, seen = reader.values(node, "prefixes"), set[Term]()
-    while todo:
-        header = todo.pop()
-        if header in seen:
-            continue
-        seen.add(header)
-        todo += reader.values(header, _IMPORTS)
-        for declaration in reader.values(header, "declare"):
-            prefix, namespace = reader.one(declaration, "prefix"), reader.one(declaration, "namespace")
-            if prefix is not None and namespace is not None:
-                found[prefix.value] = namespace.value
-    return "".join(f"PREFIX {prefix}: <{namespace}>\n" for prefix, namespace in sorted(found.items()))
+_SUBCLASS = NamedNode(RDFS + "subClassOf")
 
 
 def fill(template: str, given: Mapping[str, Term]) -> str:
@@ -51,14 +33,10 @@ def _plain(term: Term) -> str:
     return term.value.rpartition("#")[2] if isinstance(term, NamedNode) else term.value
 
 
-def _read(shape: Term, text: str, path: Path | None, names: Sequence[str], constraint: Term) -> Query:
+def _read(shape: Term, text: str, names: Sequence[str], constraint: Term) -> Query:
     said = unsupported(text, names)
     if said:
         raise ShapeFault(said, shape, "sparql", constraint)
-    if _PATH.search(text):
-        if path is None:
-            raise ShapeFault("`$PATH` stands in a query of a shape without a path", shape, "sparql", constraint)
-        text = _PATH.sub(lambda _: sparql_path(path), text)
     return read_query(text, names)
 
 
@@ -71,10 +49,10 @@ def sparql_check(reader: Reader, shape: Term, path: Path | None, constraint: Ter
     """
     if reader.is_true(constraint, "deactivated"):
         return None
-    select = reader.one(constraint, "select")
+    select = reader.query(constraint, "select", path)
     if select is None:
         raise ShapeFault("a sh:sparql constraint has no sh:select", shape, "sparql", constraint)
-    query = _read(shape, prefixes(reader, constraint) + select.value, path, _ALWAYS, constraint)
+    query = _read(shape, select, _ALWAYS, constraint)
     message, code, hint = reader.spoken(constraint)
     find = _selecting(query, shape, {}, "SPARQLConstraintComponent", on_path=path is not None, message=message)
     return Custom("SPARQLConstraintComponent", find, "must not be selected by a query", message, code, hint)
@@ -89,7 +67,8 @@ def _selecting(
     def find(run: Run, focus: Term, _: Sequence[Term]) -> Iterator[Hit]:
         bound = {**fixed, "this": focus}
         for row in _solve(run, query, bound, shape, component):
-            value = row.get("value") or (None if on_path else focus)
+            found = row.get("value")
+            value = run.data.written(found) if found is not None else None if on_path else focus
             path = row.get("path")
             own = row.get("message")
             text = fill(own.value if own is not None else message, {**bound, **row})
@@ -181,16 +160,16 @@ def _custom(
 ) -> Check:
     message = reader.text(validator, "message") or component.message
     declared = [_local_name(parameter) for parameter in component.parameters]
-    text = prefixes(reader, validator)
-    select, ask = reader.one(validator, "select"), reader.one(validator, "ask")
+    select = reader.query(validator, "select", path)
     name = component.iri.value
     find: Callable[[Run, Term, Sequence[Term]], Iterable[Hit]]
     if select is not None:
-        query = _read(shape, text + select.value, path, (*_ALWAYS, *declared), validator)
+        query = _read(shape, select, (*_ALWAYS, *declared), validator)
         find = _selecting(query, shape, given, name, on_path=path is not None, message=message)
     else:
+        ask = reader.query(validator, "ask", path)
         assert ask is not None  # noqa: S101 - what makes a validator one
-        query = _read(shape, text + ask.value, path, (*_ALWAYS, "value", *declared), validator)
+        query = _read(shape, ask, (*_ALWAYS, "value", *declared), validator)
         find = _asking(query, shape, given, name, message)
     return Custom(name, find, f"must satisfy {_local_name(component.iri)}", fill(message, given))
 

@@ -35,28 +35,21 @@ class Validation:
     data: Graph
     shapes: Shapes
     _beside: Store | None = None
-    _open: set[tuple[Term, Term]] = field(default_factory=set)
+    _open: list[tuple[Shape, Term]] = field(default_factory=list)  # few at a time, so that no set is faster
     _assumed: int = 0  # how often something still open was taken to hold
     _decided: dict[tuple[Term, Term], bool] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if isinstance(self.shapes.functions, Functions) and self.shapes.functions:
-            self.shapes.functions.store = self.data.store
+            self.shapes.functions.data = self.data
 
     def conforms(self, node: Term, shape: Term) -> bool:
         """Whether ``node`` has no result against ``shape``."""
         key = (node, shape)
         if key in self._decided:
             return self._decided[key]
-        if key in self._open:
-            self._assumed += 1
-            return True
         before = self._assumed
-        self._open.add(key)
-        try:
-            verdict = next(self.results(self.shapes.known[shape], node), None) is None
-        finally:
-            self._open.discard(key)
+        verdict = next(self._within(self.shapes.known[shape], node), None) is None
         if self._assumed == before:  # otherwise it may rest on what is still open
             self._decided[key] = verdict
         return verdict
@@ -73,22 +66,23 @@ class Validation:
             elif isinstance(check, Nested):
                 nested = self.shapes.known[check.shape]
                 for value in values:
-                    yield from self._nested(nested, value)
+                    yield from self._within(nested, value)
             else:
                 for found in check.find(self, focus, values):
                     hit = found if isinstance(found, Hit) else Hit(found)
-                    yield _result(shape, hit.focus or focus, check, hit, self.data)
+                    yield _result(shape, hit.focus or focus, check, hit)
 
-    def _nested(self, shape: Shape, focus: Term) -> Iterator[ShapeResult]:
-        key = (focus, shape.iri)
+    def _within(self, shape: Shape, focus: Term) -> Iterator[ShapeResult]:
+        """:meth:`results` of a shape that another one refers to."""
+        key = (shape, focus)
         if key in self._open:
             self._assumed += 1
             return
-        self._open.add(key)
+        self._open.append(key)
         try:
             yield from self.results(shape, focus)
         finally:
-            self._open.discard(key)
+            self._open.remove(key)
 
     def select(self, text: str, functions: Mapping[NamedNode, Callable[..., Any]]) -> Iterator[dict[str, Term]]:
         """The solutions of a SELECT over the data; an ASK gives one empty solution, or none."""
@@ -109,12 +103,10 @@ class Validation:
             yield {name: cast("Term", solution[name]) for name in names if solution[name] is not None}
 
 
-def _result(shape: Shape, focus: Term, check: Check, hit: Hit, data: Graph | None = None) -> ShapeResult:
+def _result(shape: Shape, focus: Term, check: Check, hit: Hit) -> ShapeResult:
     assert not isinstance(check, Nested)  # noqa: S101 - a nested shape has results of its own
     own = check if isinstance(check, Custom) else None
     value = hit.value
-    if data is not None and value is not None:
-        value = data.written(value)
     message = hit.message or (own.message if own else "") or shape.message
     given = {"this": focus} | ({"value": value} if value is not None else {})
     return ShapeResult(
@@ -137,7 +129,7 @@ def focus_nodes(data: Graph, targets: Iterable[Target]) -> Iterable[Term]:
     for target in targets:
         match target.kind:
             case "node":
-                found[target.term] = None
+                found.update({target.term: None} if data.describes(target.term) else {})
             case "class":
                 found.update(data.instances(target.term))
             case "subjects":
@@ -145,7 +137,7 @@ def focus_nodes(data: Graph, targets: Iterable[Target]) -> Iterable[Term]:
             case "objects":
                 found.update(dict.fromkeys(data.values(cast("NamedNode", target.term))))
             case _:
-                found.update(dict.fromkeys(_selected(data, target)))
+                found.update({node: None for node in _selected(data, target) if data.describes(node)})
     return found
 
 

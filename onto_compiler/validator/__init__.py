@@ -1,1 +1,1 @@
-"""Shapes compiled to plain Python, which checks single records in microseconds; no query engine runs."""
+"""Records held to the shapes as they are written: the SHACL engine over the few statements at hand."""

@@ -8,35 +8,18 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
-from typing import Protocol
 
 from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.rdf import CORE, TRACE, node
+from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.values import number
-from onto_compiler.validator.facts import Term, Values
 
 __all__ = ["IMPLICATIONS", "Implication", "query_key"]
 
 
-class Known(Protocol):
-    """What an implication asks of statements: facts of single records, or a graph that the engine validates."""
-
-    def values(self, subject: Term, predicate: NamedNode) -> Values:
-        """The objects of ``predicate`` that ``subject`` has."""
-        ...
-
-    def subjects(self, predicate: NamedNode, value: Term) -> Values:
-        """The subjects that have ``value`` for ``predicate``."""
-        ...
-
-    def is_a(self, value: Term, cls: Term) -> bool:
-        """Whether ``value`` has ``cls`` or a class below it for a type."""
-        ...
-
-
 Solution = Mapping[str, Term]
-Implication = Callable[[Known, Term], Iterator[Solution]]
+Implication = Callable[[Graph, Term], Iterator[Solution]]
 
 _PREDICATE, _FIRST, _SECOND, _DOMAIN, _RANGE, _ARITY, _FACT, _ROUTE, _FAILURE, _ADMITS, _SUPPORTS = (
     node(CORE + name)
@@ -59,59 +42,59 @@ def query_key(select: str) -> str:
 def _argument(argument: NamedNode, wants: NamedNode) -> Implication:
     """Predicate consistency: the argument is of the class that the predicate declares for it."""
 
-    def implication(facts: Known, focus: Term) -> Iterator[Solution]:
-        for predicate in facts.values(focus, _PREDICATE):
-            for wanted in facts.values(predicate, wants):
-                for value in facts.values(focus, argument):
-                    if not facts.is_a(value, wanted):
+    def implication(data: Graph, focus: Term) -> Iterator[Solution]:
+        for predicate in data.objects(focus, _PREDICATE):
+            for wanted in data.objects(predicate, wants):
+                for value in data.objects(focus, argument):
+                    if not data.is_a(value, wanted):
                         yield {"value": value, "wanted": wanted, "predicate": predicate, "path": argument}
 
     return implication
 
 
-def _arity(facts: Known, focus: Term) -> Iterator[Solution]:
+def _arity(data: Graph, focus: Term) -> Iterator[Solution]:
     """Predicate consistency: as many arguments as the predicate declares."""
-    second = bool(facts.values(focus, _SECOND))
-    for predicate in facts.values(focus, _PREDICATE):
-        for arity in facts.values(predicate, _ARITY):
+    second = bool(data.objects(focus, _SECOND))
+    for predicate in data.objects(focus, _PREDICATE):
+        for arity in data.objects(predicate, _ARITY):
             declared = number(arity) if isinstance(arity, Literal) else None
             if declared is not None and (declared == 2) != second:
                 yield {"value": predicate, "arity": arity, "path": _PREDICATE}
 
 
-def _preserved(facts: Known, focus: Term) -> Iterator[Solution]:
+def _preserved(data: Graph, focus: Term) -> Iterator[Solution]:
     """Argument preservation: a diagnosis speaks of a fact of its episode's required ABox, or a precondition of one."""
-    attempts = dict.fromkeys(facts.subjects(_DIAGNOSIS, focus))
-    for decision in facts.subjects(_OF, focus):
-        attempts.update(dict.fromkeys(facts.subjects(_SELECTED, decision)))
+    attempts = dict.fromkeys(data.subjects(_DIAGNOSIS, focus))
+    for decision in data.subjects(_OF, focus):
+        attempts.update(dict.fromkeys(data.subjects(_SELECTED, decision)))
     for attempt in attempts:
-        for episode in facts.values(attempt, _EPISODE):
-            for required in facts.values(episode, _REQUIRES):
-                members = facts.values(required, _MEMBER)
-                for value in facts.values(focus, _FACT):
-                    if value not in members and not any(value in facts.values(m, _PRECONDITION) for m in members):
+        for episode in data.objects(attempt, _EPISODE):
+            for required in data.objects(episode, _REQUIRES):
+                members = data.objects(required, _MEMBER)
+                for value in data.objects(focus, _FACT):
+                    if value not in members and not any(value in data.objects(m, _PRECONDITION) for m in members):
                         yield {"value": value, "attempt": attempt, "required": required, "path": _FACT}
 
 
-def _compatible(facts: Known, focus: Term) -> Iterator[Solution]:
+def _compatible(data: Graph, focus: Term) -> Iterator[Solution]:
     """Compatible routing: the route admits the failure and supports the predicate's kind."""
-    for route in facts.values(focus, _ROUTE):
-        admitted, kinds = facts.values(route, _ADMITS), facts.values(route, _SUPPORTS)
-        for diagnosis in facts.values(focus, _OF):
-            for fact in facts.values(diagnosis, _FACT):
-                for predicate in facts.values(fact, _PREDICATE):
-                    supported = any(facts.is_a(predicate, kind) for kind in kinds)
-                    for failure in facts.values(diagnosis, _FAILURE):
+    for route in data.objects(focus, _ROUTE):
+        admitted, kinds = data.objects(route, _ADMITS), data.objects(route, _SUPPORTS)
+        for diagnosis in data.objects(focus, _OF):
+            for fact in data.objects(diagnosis, _FACT):
+                for predicate in data.objects(fact, _PREDICATE):
+                    supported = any(data.is_a(predicate, kind) for kind in kinds)
+                    for failure in data.objects(diagnosis, _FAILURE):
                         if not supported or failure not in admitted:
                             yield {"value": route, "unmet": failure, "predicate": predicate, "path": _ROUTE}
 
 
-def _at_level(facts: Known, focus: Term) -> Iterator[Solution]:
+def _at_level(data: Graph, focus: Term) -> Iterator[Solution]:
     """Compatible routing: the route acts at the level at which the run may act."""
-    for route in facts.values(focus, _ROUTE):
-        levels = facts.values(route, _LEVEL)
-        for diagnosis in facts.values(focus, _OF):
-            for wanted in facts.values(diagnosis, _REQUESTED):
+    for route in data.objects(focus, _ROUTE):
+        levels = data.objects(route, _LEVEL)
+        for diagnosis in data.objects(focus, _OF):
+            for wanted in data.objects(diagnosis, _REQUESTED):
                 if wanted not in levels:
                     yield {"value": route, "wanted": wanted, "path": _ROUTE}
 

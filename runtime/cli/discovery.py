@@ -15,14 +15,15 @@ GROUP = "onto_evwm.commands"
 # The top-level module whose absence an extra of the distribution repairs.
 _EXTRAS = {
     "PIL": "report",
+    "owlready2": "hermit",
     "bddl": "sim",
+    "gymnasium": "sim",
     "h5py": "demos",
     "libero": "sim",
     "mujoco": "sim",
     "lsprotocol": "lsp",
     "numba": "sim",
     "pygls": "lsp",
-    "ray": "cluster",
     "robosuite": "sim",
     "safetensors": "learn",
     "torch": "learn",

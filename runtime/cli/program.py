@@ -11,6 +11,7 @@ from onto_compiler.command import CLEAN, MISUSE, print_json
 from onto_compiler.problems import OntoError, render_all
 from onto_compiler.versions import version_of
 from runtime.cli.discovery import advice, installed, load
+from runtime.cli.foreign import told
 from runtime.cli.parser import overview, parser_of
 
 __all__ = ["INTERNAL", "INTERRUPTED", "PIPE_CLOSED", "main"]
@@ -39,7 +40,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ImportError as error:
         return _missing(error, arguments)
     except Exception as error:  # noqa: BLE001 - the last line of defence of a program
-        return _internal(error)
+        return _failed(error, arguments)
     return code
 
 
@@ -84,10 +85,20 @@ def _report(error: OntoError, *, as_json: bool) -> int:
 def _missing(error: ImportError, arguments: Sequence[str]) -> int:
     hint = advice(error)
     if not hint:
-        return _internal(error)
+        return _failed(error, arguments)
     command = next((word for word in arguments if not word.startswith("-")), "this")
     problem = OntoError.of("CLI003", f"`onto {command}` needs the Python package `{error.name}`", hint)
     return _report(problem, as_json=_wants_json(arguments))
+
+
+def _failed(error: Exception, arguments: Sequence[str]) -> int:
+    """Whose fault an exception is: that of registered code, or ours."""
+    foreign = told(error)
+    if foreign is None:
+        return _internal(error)
+    if os.environ.get("ONTO_DEBUG") == "1":
+        traceback.print_exception(error)
+    return _report(foreign, as_json=_wants_json(arguments))
 
 
 def _internal(error: Exception) -> int:

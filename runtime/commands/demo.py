@@ -22,7 +22,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from runtime.worlds.libero.simulator.pictures import enable  # noqa: PLC0415 - heavy imports wait for the command to run
+    from runtime.worlds.pictures import enable  # noqa: PLC0415 - heavy imports wait for the command to run
 
     drawing = enable()  # before MuJoCo is imported, which settles how it draws
     from runtime.commands.demonstration import demonstrate  # noqa: PLC0415

@@ -14,16 +14,15 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from onto_compiler.command import CLEAN, FINDINGS, print_json
 from onto_compiler.knowledge import Knowledge, load_knowledge
 from runtime.loop.records import Episode
-from runtime.loop.registry import load_proposers
 from runtime.report import write_report
 from runtime.report.gallery import Pictures
 from runtime.trace.output import print_answer
 from runtime.trace.sparql import Answer, named_query
 from runtime.trace.store import TraceStore
 from runtime.trace.summary import demo_table, episode_summary
-from runtime.worlds.libero.loop.episodes import EpisodeRunner
-from runtime.worlds.libero.simulator.assets import tasks
-from runtime.worlds.libero.simulator.pictures import ADVICE, Camera
+from runtime.worlds.episodes import EpisodeRunner
+from runtime.worlds.pictures import ADVICE, Cameras
+from runtime.worlds.world import world_of
 
 __all__ = ["demonstrate"]
 
@@ -66,29 +65,29 @@ def demonstrate(options: argparse.Namespace, *, drawing: bool) -> int:
 
 
 def _episodes(options: argparse.Namespace, knowledge: Knowledge, *, drawing: bool) -> Iterator[_Shown]:
-    proposers = load_proposers(knowledge.schema)
-    refs = tasks(options.suite)
+    world = world_of(options.suite)
+    proposers, refs = world.proposers(knowledge.schema), world.tasks(options.suite)
     columns = (BarColumn(20), MofNCompleteColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress, Cameras() as cameras:
         bar = progress.add_task("", total=len(refs))
         for ref in refs:
             progress.update(bar, description=ref.name.replace("_", " "))
-            runner = EpisodeRunner.open(ref, knowledge, proposers, options.seed, options.budget)
+            runner = EpisodeRunner.open(world, ref, knowledge, proposers, options.seed, options.budget)
             try:
-                yield _show(runner, options.state, drawing=drawing)
+                yield _show(runner, options.state, cameras if drawing else None)
             finally:
                 runner.close()
             progress.advance(bar)
 
 
-def _show(runner: EpisodeRunner, state: int, *, drawing: bool) -> _Shown:
+def _show(runner: EpisodeRunner, state: int, cameras: Cameras | None) -> _Shown:
     runner.start(state)
-    if not drawing:
+    if cameras is None:
         return _Shown(runner.correct(state), None)
-    with Camera(runner.task.model) as camera:
-        before = camera.shoot(runner.task.data)
-        episode = runner.correct(state)
-        return _Shown(episode, (before, camera.shoot(runner.task.data)))
+    camera = cameras.of(runner.environment.model)
+    before = camera.shoot(runner.environment.data)
+    episode = runner.correct(state)
+    return _Shown(episode, (before, camera.shoot(runner.environment.data)))
 
 
 def _report(

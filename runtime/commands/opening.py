@@ -1,75 +1,79 @@
-"""From a command's arguments to an opened task."""
+"""From the name of a task to an opened one, and from what a person calls a state to its number and its numbers."""
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from rich.console import Console
 
+from onto_compiler.bddl.impossible import refuse_impossible
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.loop.records import GIVEN
-from runtime.loop.registry import load_proposers
-from runtime.worlds.libero.demos.fixtures import fixtures_of
-from runtime.worlds.libero.loop.episodes import EpisodeRunner
-from runtime.worlds.libero.loop.uncertain import uncertain_line, uncertain_row
-from runtime.worlds.libero.simulator.assets import named_task
-from runtime.worlds.libero.simulator.own_code import import_own
+from runtime.worlds.episodes import EpisodeRunner
+from runtime.worlds.required import required_of
+from runtime.worlds.world import named_task
 
-__all__ = ["start_of", "task_runner", "uncertain_lines", "uncertain_rows"]
+__all__ = ["open_task", "start_of"]
 
 
 @contextmanager
-def task_runner(options: argparse.Namespace) -> Iterator[EpisodeRunner]:
-    """The runner for ``options.task`` under ``options.ontology`` and ``options.seed``; closed at the end."""
-    knowledge = load_knowledge(*options.ontology)
-    proposers = load_proposers(knowledge.schema)
-    budget = getattr(options, "budget", None)
-    ref = named_task(options.task)
-    import_own(options.imports, ref.bddl.parent)
+def open_task(
+    task: str,
+    ontology: Sequence[str | Path] = (),
+    seed: int | None = None,
+    budget: int | None = None,
+    judge: str = "native",
+    *,
+    proposers: Mapping[str, str] | None = None,
+    possible: bool = False,
+    model: str | None = None,
+    imports: Sequence[str] = (),
+) -> Iterator[EpisodeRunner]:
+    """The runner for ``task`` under the shipped ontology with ``ontology`` on top; closed at the end.
+
+    ``model`` is a file that says where the fixtures stand; ``imports`` are modules that register objects of one's own.
+    ``proposers`` names the one that acts of those that serve a route.
+
+    Raises:
+        OntoError: as :func:`onto_compiler.bddl.impossible.refuse_impossible`, where the goal must be ``possible``.
+    """
+    knowledge = load_knowledge(*ontology)
+    world, ref = named_task(task)
+    if world.name == "libero":
+        from runtime.worlds.libero.simulator.own_code import import_own  # noqa: PLC0415 - only that world has them
+
+        import_own(imports, ref.bddl.parent)
+    offered = world.proposers(knowledge.schema, dict(proposers or {}))
+    if possible:
+        refuse_impossible(required_of(ref, knowledge), knowledge.schema)
     # A line that moves while MuJoCo compiles; it shows on a terminal only.
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
-        runner = EpisodeRunner.open(ref, knowledge, proposers, options.seed, budget)
+        runner = EpisodeRunner.open(world, ref, knowledge, offered, seed, budget, judge)
     try:
-        if options.model is not None:
-            runner = runner.placing(fixtures_of(options.model, runner.task.model), options.model)
-        yield runner
+        yield runner if model is None else runner.placing(model)
     finally:
         runner.close()
 
 
-def start_of(options: argparse.Namespace) -> tuple[int, NDArray[np.float64] | None]:
-    """Number of the official initial state to start from, and None; or :data:`GIVEN` and the state of a file.
+def start_of(state: int | str | Path | ArrayLike) -> tuple[int, NDArray[np.float64] | None]:
+    """The number of an official initial state, and None; or :data:`GIVEN` and a flat state, of a file or as it is.
 
     Raises:
-        OntoError: ``CLI005``, where the file does not hold one plain array of numbers.
+        OntoError: ``CLI005``, where there is no plain array of numbers.
     """
-    path: Path | None = options.state_file
-    return (options.state, None) if path is None else (GIVEN, _read(path))
-
-
-def uncertain_rows(runner: EpisodeRunner, start: int) -> list[dict[str, Any]]:
-    """The required facts whose verdict hangs on where fixtures stand, where neither --model nor --seed says it."""
-    return [uncertain_row(each, runner.knowledge.schema) for each in runner.uncertain(start)]
-
-
-def uncertain_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """The same for people."""
-    how = "  --model FILE or --seed N says where fixtures stand"
-    return [*(f"  {uncertain_line(row)}" for row in rows), how] if rows else []
-
-
-def _read(path: Path) -> NDArray[np.float64]:
+    if isinstance(state, (int, np.integer)):
+        return int(state), None
+    name = f"`{state}`" if isinstance(state, (str, Path)) else "what was given"
     try:
-        state = np.load(path, allow_pickle=False)
-        return np.asarray(state, dtype=np.float64).ravel()
+        found = np.load(state, allow_pickle=False) if isinstance(state, (str, Path)) else state
+        return GIVEN, np.asarray(found, dtype=np.float64).ravel()
     except (OSError, EOFError, ValueError, TypeError, AttributeError) as error:
+        file = str(state) if isinstance(state, (str, Path)) else ""
         raise OntoError.of(
-            "CLI005", f"cannot read a state from `{path}`: {error}", "save it with numpy.save", str(path)
+            "CLI005", f"cannot read a state from {name}: {error}", "save it with numpy.save", file
         ) from error

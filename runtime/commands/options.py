@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-__all__ = ["add_budget", "add_state", "add_task", "settled_words"]
+__all__ = ["add_budget", "add_state", "add_task", "chosen_state", "settled_words", "start_options", "uncertain_lines"]
 
 
 class _InSuite(argparse.Action):
@@ -65,6 +66,27 @@ def add_state(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def uncertain_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """For people: the facts whose verdict hangs on where fixtures stand, where neither --model nor --seed says it."""
+    lines = [
+        f"  uncertain: {row['fact']} hangs on where {' and '.join(row['fixtures'])} stood, which the state does not "
+        f"say; seed 0 is assumed, and another placement is up to {row['reach'] * 1000:.0f} mm away"
+        for row in rows
+    ]
+    return [*lines, "  --model FILE or --seed N says where fixtures stand"] if lines else []
+
+
+def start_options(options: argparse.Namespace) -> dict[str, Any]:
+    """What says where a run starts, by the names of the functions of :mod:`runtime.commands.tasks`."""
+    return {
+        "state": chosen_state(options),
+        "seed": options.seed,
+        "settle": options.settle,
+        "model": options.model,
+        "imports": options.imports,
+    }
+
+
 def settled_words(steps: int) -> str:
     """How a start was settled, for a heading."""
     return f"settled for {steps} step{'' if steps == 1 else 's'}" if steps else "not settled"
@@ -78,6 +100,13 @@ def _steps(text: str) -> int:
     if steps < 0:
         raise argparse.ArgumentTypeError(f"{steps} control steps; there can be none, or more")
     return steps
+
+
+def chosen_state(options: argparse.Namespace) -> int | Path:
+    """The number of the initial state to start from, or the file that holds one."""
+    number: int = options.state
+    path: Path | None = options.state_file
+    return number if path is None else path
 
 
 def add_budget(parser: argparse.ArgumentParser) -> None:

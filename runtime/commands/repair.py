@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
-from runtime.commands.options import add_budget, add_state, add_task, settled_words
+from runtime.commands.options import add_budget, add_state, add_task, settled_words, start_options, uncertain_lines
 
 __all__ = ["REPAIR"]
 
@@ -17,36 +17,63 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     add_state(parser)
     add_budget(parser)
     parser.add_argument(
+        "--judge",
+        choices=("native", "grounding"),
+        default="native",
+        help="who accepts: LIBERO's own predicate (default), or the facts as they are grounded, which the record says",
+    )
+    parser.add_argument(
         "--out", type=Path, metavar="DIR", help="also record the episode in DIR/store and DIR/trace.trig"
+    )
+    parser.add_argument(
+        "--proposer",
+        action="append",
+        default=[],
+        type=_choice,
+        metavar="ROUTE=NAME",
+        help="which proposer serves a route, where several are installed; may be given for several routes",
     )
     add_ontology(parser)
     add_format(parser)
 
 
+def _choice(text: str) -> tuple[str, str]:
+    route, equals, name = text.partition("=")
+    if not (route and equals and name):
+        raise argparse.ArgumentTypeError(f"`{text}` is not of the form ROUTE=NAME")
+    return route, name
+
+
 def _run(options: argparse.Namespace) -> int:
-    from runtime.commands.opening import start_of, task_runner, uncertain_lines, uncertain_rows  # noqa: PLC0415 - heavy imports wait for the run
+    from onto_compiler.knowledge import load_knowledge  # noqa: PLC0415 - heavy imports wait for the run
+    from runtime.commands.tasks import repair  # noqa: PLC0415
     from runtime.trace.narrate import narrate  # noqa: PLC0415
     from runtime.trace.store import TraceStore  # noqa: PLC0415
     from runtime.trace.summary import episode_summary  # noqa: PLC0415
+    from runtime.wording import wrapped  # noqa: PLC0415
 
-    with task_runner(options) as runner:
-        start, state = start_of(options)
-        steps = runner.start(start, state, settle=options.settle)
-        uncertain = uncertain_rows(runner, start)
-        episode = runner.correct(start, settled=steps)
-        schema, reason = runner.knowledge.schema, dict(episode.provenance).get("reason", "")
+    episode = repair(
+        options.task,
+        ontology=options.ontology,
+        budget=options.budget,
+        judge=options.judge,
+        proposers=dict(options.proposer),
+        **start_options(options),
+    )
+    schema = load_knowledge(*options.ontology).schema
+    settings = dict(episode.provenance)
+    reason, steps, uncertain = settings.get("reason", ""), settings["start_settle_steps"], settings["uncertain"]
     if options.out is not None:
         with TraceStore(options.out / "store", schema, "repair", ontology=options.ontology) as store:
             store.add(episode)
             store.export_trig(options.out / "trace.trig")
     if options.format == "json":
-        about = {"reason": reason or None, "settle_steps": steps, "uncertain": uncertain}
-        print_json({**episode_summary(episode, schema), **about})
+        about = {"settle_steps": steps, "uncertain": uncertain} | ({"reason": reason} if reason else {})
+        print_json(episode_summary(episode, schema) | about)
     else:
-        told = [*narrate(episode, schema), f"  The start was {settled_words(steps)}."]
-        told += [f"  It stays unresolved because {reason}."] if reason else []
-        lines = [*told, *uncertain_lines(uncertain)]
-        sys.stdout.write("\n".join(lines) + "\n")
+        lines = [*narrate(episode, schema), *([f"  Reason: {reason}."] if reason else [])]
+        lines += [f"  The start was {settled_words(steps)}.", *uncertain_lines(uncertain)]
+        sys.stdout.write("\n".join(wrapped(lines)) + "\n")
     return CLEAN if episode.accepted else FINDINGS
 
 

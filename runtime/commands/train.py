@@ -5,25 +5,19 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
 
 from onto_compiler.command import CLEAN, Command, add_format, print_json
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import git
 from runtime.training import STAGES
+from runtime.training.request import Stage, TrainingRequest, trained_worlds
 
 __all__ = ["TRAIN"]
 
-WORLDS = ("pointmaze", "libero")
-Log = Callable[[str], None]
-Stage = Callable[[str, str, str, Log], Mapping[str, float]]
-"""Stage, command, commit and what says how far it is, to the metrics of the stage's card."""
-
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("world", choices=WORLDS, help="what the model is of")
+    parser.add_argument("world", choices=tuple(trained_worlds()), help="what the model is of")
     parser.add_argument(
         "stages",
         nargs="*",
@@ -47,10 +41,6 @@ def _run(options: argparse.Namespace) -> int:
     unknown = [stage for stage in options.stages if stage not in STAGES]
     if unknown:
         raise OntoError.of("WM015", f"`{unknown[0]}` is no stage of a training", f"stages: {', '.join(STAGES)}")
-    if options.world != "libero" and (options.demos is not None or options.count is not None):
-        raise OntoError.of(
-            "CLI002", f"`{options.world}` has no demonstrations to choose", "leave --demos and --count out"
-        )
     if options.encoder is not None and "projection" not in options.stages:
         message = "an encoder is chosen where the projection is made, and later stages read what that one reads"
         raise OntoError.of("CLI002", message, "leave --encoder out, or begin with `projection`")
@@ -58,7 +48,10 @@ def _run(options: argparse.Namespace) -> int:
         torch.set_num_threads(options.threads)
     folder = options.out or Path("out/models") / options.world / str(options.seed)
     commit = git(Path(__file__).parent, "rev-parse", "HEAD")
-    stage_of = _pointmaze(options, folder) if options.world == "pointmaze" else _libero(options, folder)
+    asked = TrainingRequest(
+        folder, options.seed, _encoder(options, folder), options.threads, options.demos, options.count
+    )
+    stage_of: Stage = trained_worlds()[options.world].load()(asked)
     metrics = {}
     for stage in options.stages:
         begun = time.perf_counter()
@@ -75,28 +68,6 @@ def _run(options: argparse.Namespace) -> int:
     return CLEAN
 
 
-def _pointmaze(options: argparse.Namespace, folder: Path) -> Stage:
-    from runtime.training.stages import TrainingDir  # noqa: PLC0415
-    from runtime.worlds.pointmaze.training import MazeTrainingConfig, train  # noqa: PLC0415 - as above
-
-    config = MazeTrainingConfig(seed=options.seed, **_given(encoder=_encoder(options, folder)))
-    place = TrainingDir(folder)
-    return lambda stage, command, commit, log: train(stage, config, place, command, commit, log)
-
-
-def _libero(options: argparse.Namespace, folder: Path) -> Stage:
-    from onto_compiler.batch import available_jobs  # noqa: PLC0415 - as above
-    from runtime.worlds.libero.training.config import SceneTrainingConfig  # noqa: PLC0415
-    from runtime.worlds.libero.training.train import FilmPlace, train  # noqa: PLC0415
-
-    if options.count is not None and options.count < 1:
-        raise OntoError.of("CLI002", f"--count must be at least 1, and is {options.count}")
-    given = _given(encoder=_encoder(options, folder), demos=options.count)
-    config = SceneTrainingConfig(seed=options.seed, **given)
-    place = FilmPlace(folder, folder.parent / "data", options.demos, options.threads or available_jobs())
-    return lambda stage, command, commit, log: train(stage, config, place, command, commit, log)
-
-
 def _encoder(options: argparse.Namespace, folder: Path) -> str | None:
     """What is asked for; where the projection is there already, what that was made for."""
     from grounding.world_model.checkpoint import read_card  # noqa: PLC0415 - as above
@@ -105,11 +76,6 @@ def _encoder(options: argparse.Namespace, folder: Path) -> str | None:
     there = "projection" not in options.stages
     name: str | None = read_card(folder / FILES["projection"]).data.get("encoder") if there else options.encoder
     return name
-
-
-def _given(**options: Any) -> dict[str, Any]:  # noqa: ANN401 - of any type
-    """Those that are not None, so that defaults stay with what has them."""
-    return {name: value for name, value in options.items() if value is not None}
 
 
 def _chosen(options: argparse.Namespace, stage: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from runtime.loop.diagnosis import diagnose_goal, select
 from runtime.loop.faults import RunFault
 from runtime.loop.proposer import Proposer, Request
 from runtime.loop.records import Application, Attempt, Diagnosis, Proposal, RouteDecision, Verification
-from runtime.loop.routing import route
+from runtime.loop.routing import route, route_or_none
 
 __all__ = ["Correction", "CorrectionLoop", "Environment", "RunFault"]
 
@@ -70,8 +70,9 @@ class Environment(Protocol):
 class Correction:
     """What :meth:`CorrectionLoop.run` returns: the attempts, and how and in which observed state the loop ended.
 
-    ``reason`` says why it stays ``unresolved``. ``lost`` is the verdict on a start that the native predicate accepted
-    and that did not settle: the state that it settled to was corrected.
+    ``reason`` says why it stays ``unresolved``, where a route has nothing that serves it or a state did not settle.
+    ``lost`` is the verdict on a start that the native predicate accepted and that did not settle: the state that it
+    settled to was corrected.
     """
 
     initial: Observation
@@ -98,7 +99,6 @@ class CorrectionLoop:
         rng: np.random.Generator,
         *,
         predicted: Observation | None = None,
-        features: Any = None,  # noqa: ANN401 - what a learned proposer consumes
         report: Callable[[Attempt], None] | None = None,
     ) -> Correction:
         """Correct the state of ``environment`` until the native predicate accepts it or the budget is spent.
@@ -111,7 +111,7 @@ class CorrectionLoop:
         """
         if predicted is None and environment is None:
             raise ValueError("a simulator source needs an environment")
-        return _Run(self, required, environment, rng, features).correct(predicted, report)
+        return _Run(self, required, environment, rng).correct(predicted, report)
 
 
 @dataclass(slots=True)
@@ -122,12 +122,11 @@ class _Run:
     required: RequiredABox
     environment: Environment | None
     rng: np.random.Generator
-    features: Any
     attempts: list[Attempt] = field(default_factory=list)
     offered: dict[tuple[int, str], int] = field(default_factory=dict)  # candidates so far, by fact and route
     rejected: RouteDecision | None = None
     lost: Verification | None = None  # a start that was accepted and did not settle
-    spent: str = ""  # of what there is no more: attempts or candidates
+    unserved: dict[str, None] = field(default_factory=dict)  # routes without a proposer
 
     def correct(self, predicted: Observation | None, report: Callable[[Attempt], None] | None) -> Correction:
         observation = initial = self._observe() if predicted is None else predicted
@@ -140,7 +139,7 @@ class _Run:
             elif end is None:
                 attempt = self._attempt(observation, diagnoses)
                 if attempt is None:
-                    end, self.spent = "unresolved", "no route has a further candidate"
+                    end = "unresolved"
                 else:
                     self.attempts.append(attempt)
                     if report is not None:
@@ -167,9 +166,7 @@ class _Run:
                 return self._accepted(environment.settle(verification))
             if not diagnoses:
                 return "grounding_verifier_disagreement", verification
-        if over := len(self.attempts) >= self.loop.budget:
-            self.spent = f"the budget of {self.loop.budget} attempts is spent"
-        return "unresolved" if over else None
+        return "unresolved" if len(self.attempts) >= self.loop.budget else None
 
     def _accepted(self, verification: Verification) -> tuple[str, Verification] | None:
         """How the run ends where the native predicate accepts the state as it is; None where that has to settle."""
@@ -203,17 +200,22 @@ class _Run:
         if self.rejected is not None and self.rejected.diagnosis.index == selected.index:
             status, previous = REPEAT, self.rejected.route
         spent: set[str] = set()
+        decision = route(selected, self.loop.knowledge, status, previous)
         while True:
-            decision = route(selected, self.loop.knowledge, status, previous)
             proposal = None if decision.route in spent else self._propose(decision)
             if proposal is not None or decision.route in spent:
                 return decision, proposal
             spent.add(decision.route)
-            status, previous = EXHAUSTED, decision.route
+            following = route_or_none(selected, self.loop.knowledge, EXHAUSTED, decision.route)
+            if following is None:  # the route names no successor
+                return decision, None
+            decision = following
 
     def _propose(self, decision: RouteDecision) -> Proposal | None:
         name = self.loop.knowledge.schema.routes[decision.route].name
         proposer, environment = self.loop.proposers.get(name), self.environment
+        if proposer is None:
+            self.unserved[name] = None
         if proposer is None or environment is None:
             return None
         key = (decision.diagnosis.index, decision.route)
@@ -229,7 +231,6 @@ class _Run:
                 candidate=candidate,
                 observe=environment.observe_at,
                 rng=self.rng,
-                features=self.features,
             )
         )
 
@@ -242,8 +243,9 @@ class _Run:
         return self.attempts[-1].verification if self.attempts else self.lost
 
     def _reason(self, last: Verification | None) -> str:
-        """Why the task stays unresolved: what is spent, and whether an accepted state did not settle."""
-        parts = [self.spent] if self.spent else []
+        """What is missing: proposers of the routes that failures were sent along, or a state that survives settling."""
+        names = " or ".join(f"`{name}`" for name in self.unserved)
+        parts = [f"no proposer is registered as {names}"] if names else []
         if last is not None and last.outcome:
             parts.append(f"the last state that was accepted did not survive {last.settle_steps} steps of settling")
         return "; ".join(parts)

@@ -17,7 +17,18 @@ from onto_compiler.schema import local_name
 from onto_compiler.tables import ABSENT, EXPLICITLY_FALSE, MARGIN_VIOLATED, SATISFIED, STATUSES, RuleTables
 from runtime.loop.records import Diagnosis
 
-__all__ = ["by_distance", "diagnose", "diagnose_goal", "evidence_status", "select", "unmet"]
+__all__ = [
+    "by_distance",
+    "diagnose",
+    "diagnose_goal",
+    "evidence_status",
+    "lack",
+    "requirement",
+    "satisfied",
+    "select",
+    "surplus",
+    "unmet",
+]
 
 _CODE = {status: code for code, status in enumerate(STATUSES)}
 
@@ -31,16 +42,39 @@ def evidence_status(facts: Sequence[Fact], observation: Observation) -> NDArray[
     """
     if len(facts) != len(observation):
         raise ValueError(f"{len(facts)} required facts and an observation of {len(observation)}")
-    polarity = np.array([fact.polarity for fact in facts], dtype=np.bool_)
-    threshold = np.array([fact.threshold for fact in facts], dtype=np.float64)
-    signed = np.where(polarity, observation.margin, -observation.margin)
+    sign, threshold = requirement(facts)
+    signed = sign * observation.margin
     status = np.full(len(facts), _CODE[SATISFIED], dtype=np.int8)
     # A comparison with NaN is false: where no margin is defined, none is violated.
     status[signed < threshold] = _CODE[MARGIN_VIOLATED]
-    status[observation.truth != polarity] = _CODE[EXPLICITLY_FALSE]
+    status[observation.truth != (sign > 0)] = _CODE[EXPLICITLY_FALSE]
     status[(threshold < 0) & (signed >= threshold)] = _CODE[SATISFIED]
     status[~observation.observed] = _CODE[ABSENT]
     return status
+
+
+def requirement(facts: Sequence[Fact]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """What each fact asks of its margin: the sign (n,) of its polarity, and the least signed margin (n,)."""
+    sign = np.array([1.0 if fact.polarity else -1.0 for fact in facts], dtype=np.float64)
+    return sign, np.array([fact.threshold for fact in facts], dtype=np.float64)
+
+
+def satisfied(facts: Sequence[Fact], observation: Observation) -> NDArray[np.bool_]:
+    """Whether each required fact holds: polarity, threshold, tolerance and evidence count; shape (n,)."""
+    holds: NDArray[np.bool_] = evidence_status(facts, observation) == _CODE[SATISFIED]
+    return holds
+
+
+def surplus(facts: Sequence[Fact], observation: Observation) -> NDArray[np.float64]:
+    """By how much each margin, signed by polarity, exceeds what its fact requires; NaN without a margin; shape (n,)."""
+    sign, threshold = requirement(facts)
+    return sign * observation.margin - threshold
+
+
+def lack(facts: Sequence[Fact], observation: Observation) -> NDArray[np.float64]:
+    """How much margin each fact lacks: 0 where it is satisfied, NaN where it is not and has no margin; shape (n,)."""
+    missing = np.maximum(-surplus(facts, observation), 0.0)
+    return np.where(satisfied(facts, observation), 0.0, missing)
 
 
 def by_distance(required: RequiredABox, observation: Observation) -> tuple[tuple[int, ...], ...]:
@@ -51,24 +85,21 @@ def by_distance(required: RequiredABox, observation: Observation) -> tuple[tuple
     """
     if not required.alternatives:
         return required.ways
-    facts = required.facts
-    open_ = evidence_status(facts, observation) != _CODE[SATISFIED]
-    threshold = np.array([fact.threshold for fact in facts], dtype=np.float64)
-    signed = np.where([fact.polarity for fact in facts], observation.margin, -observation.margin)
-    unmeasured = open_ & np.isnan(signed)
-    lack = np.where(open_ & ~unmeasured, np.maximum(threshold - signed, 0.0), 0.0)
+    open_ = ~satisfied(required.facts, observation)
+    missing = lack(required.facts, observation)
 
     def distance(way: tuple[int, ...]) -> tuple[int, int, float]:
         chosen = list(way)
-        return int(open_[chosen].sum()), int(unmeasured[chosen].sum()), float(lack[chosen].sum())
+        lacking = missing[chosen]
+        return int(open_[chosen].sum()), int(np.isnan(lacking).sum()), float(np.nansum(lacking))
 
     return tuple(sorted(required.alternatives, key=distance))
 
 
 def unmet(required: RequiredABox, observation: Observation) -> tuple[int, ...]:
     """The indices of the unsatisfied facts of the nearest alternative."""
-    status = evidence_status(required.facts, observation)
-    return tuple(i for i in by_distance(required, observation)[0] if status[i] != _CODE[SATISFIED])
+    holds = satisfied(required.facts, observation)
+    return tuple(i for i in by_distance(required, observation)[0] if not holds[i])
 
 
 def diagnose_goal(

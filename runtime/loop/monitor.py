@@ -11,12 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import mujoco
+import numpy as np
+from numpy.typing import NDArray
 
-from grounding.observation import Evidence, stack
+from grounding.observation import Evidence, Observation, stack
 from grounding.sim import SimGrounder
 from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.tables import RuleTables
-from runtime.loop.diagnosis import diagnose_goal
+from runtime.loop.diagnosis import diagnose_goal, satisfied
 from runtime.loop.records import Diagnosis
 
 __all__ = ["GoalMonitor", "Unmet"]
@@ -61,16 +63,30 @@ class GoalMonitor:
         except KeyError:
             return self._meet(pattern)
 
+    def satisfied(self, data: mujoco.MjData) -> NDArray[np.bool_]:
+        """Whether each required fact holds in ``data``, as :func:`runtime.loop.diagnosis.satisfied`; shape (n,).
+
+        Raises ``SIM003``, ``SIM004`` as grounding does.
+        """
+        facts = self._required.facts
+        if self._by_truth:
+            return satisfied(facts, _of_truths(self._grounder.pattern(data)))
+        return satisfied(facts, self._grounder.observe(data))
+
     def diagnose(self, data: mujoco.MjData, step: int = 0) -> tuple[Diagnosis, ...]:
         """The same with margins: the records to keep."""
         return diagnose_goal(self._required, self._grounder.observe(data, step), self._tables)
 
     def _meet(self, pattern: bytes) -> tuple[Unmet, ...]:
-        observation = stack("sim", 0, [Evidence(bool(truth)) for truth in pattern])
+        observation = _of_truths(pattern)
         if len(self._seen) >= KEPT:
             self._seen.clear()
         found = self._seen[pattern] = _without_margins(diagnose_goal(self._required, observation, self._tables))
         return found
+
+
+def _of_truths(pattern: bytes) -> Observation:
+    return stack("sim", 0, [Evidence(bool(truth)) for truth in pattern])
 
 
 def _without_margins(found: Sequence[Diagnosis]) -> tuple[Unmet, ...]:

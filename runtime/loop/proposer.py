@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +33,6 @@ class Request:
     candidate: int
     observe: Callable[[NDArray[np.float64]], Observation]
     rng: np.random.Generator
-    features: Any = None  # what a learned head consumes; heuristics ignore it
 
 
 class Proposer(Protocol):

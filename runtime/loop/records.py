@@ -13,6 +13,7 @@ from onto_compiler.required import Fact, RequiredABox
 
 __all__ = [
     "GIVEN",
+    "GROUNDED",
     "Application",
     "Attempt",
     "Diagnosis",
@@ -27,6 +28,8 @@ __all__ = [
 
 GIVEN = -1
 """The index of an initial state that is none of the official ones."""
+GROUNDED = "each required fact as it is grounded"
+"""The query of a verification in which no native predicate was asked."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,12 +109,20 @@ class Prediction:
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """The native predicate's answer. ``settled`` is None until somebody asked whether it still holds after settling."""
+    """The judge's answer. ``settled`` is None until somebody asked whether it still holds after settling.
+
+    The judge is the native predicate, unless a person asked for grounding to judge: ``query`` is then :data:`GROUNDED`.
+    """
 
     query: str
     outcome: bool
     settled: bool | None = None
     settle_steps: int = 0
+
+    @property
+    def judge(self) -> str:
+        """Who gave the answer: "native" or "grounding"."""
+        return "grounding" if self.query == GROUNDED else "native"
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,8 +189,13 @@ class Episode:
 
     @property
     def accepted(self) -> bool:
-        """Whether the native predicate accepted a state that this episode applied, or the one it started from."""
+        """Whether the judge accepted a state that this episode applied, or the one it started from."""
         return self.outcome in {"accepted", "verified"}
+
+    @property
+    def judge(self) -> str:
+        """Who judged the episode, as :attr:`Verification.judge`; "native" where nobody was asked."""
+        return "native" if self.verification is None else self.verification.judge
 
     @property
     def turns(self) -> tuple[Attempt | ExecutedPlan, ...]:

@@ -1,13 +1,15 @@
-"""Finds the proposer of each route: an entry point named as the route, in the group ``onto_evwm.proposers``.
+"""Finds the proposer of each route: an entry point of the group ``onto_evwm.proposers``.
 
-Another package adds or replaces a route's proposer by declaring an entry point of the same group.
+It is named as the route, ``unwiped_route``, or ``unwiped_route.learned`` where several packages serve one route; its
+name is then ``learned``, and otherwise the ``name`` of its class.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from runtime.loop.routed import load_routed
+from runtime.loop.routed import serving
 
 if TYPE_CHECKING:
     from onto_compiler.schema import Schema
@@ -18,9 +20,13 @@ __all__ = ["GROUP", "load_proposers"]
 GROUP = "onto_evwm.proposers"
 
 
-def load_proposers(schema: Schema) -> dict[str, Proposer]:
-    """Build every registered proposer whose route ``schema`` declares, by the route's local name.
+def load_proposers(schema: Schema, chosen: Mapping[str, str] | None = None) -> dict[str, Proposer]:
+    """Build the proposer of each route of ``schema``, by the route's notation; ``chosen`` has names by route.
 
-    Raises :class:`OntoError` with ``RUN010`` when an entry point cannot be loaded.
+    Raises:
+        OntoError: RUN010, where an entry point cannot be loaded; RUN005, RUN006 or RUN008 as
+            :func:`runtime.loop.routed.serving`.
+
     """
-    return {name: make(schema) for name, make in load_routed(schema, GROUP, "proposer", "RUN010").items()}
+    found = serving(schema, GROUP, "proposer", "RUN010", chosen)
+    return {route: served.value(schema) for route, served in found.items()}

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.problems import OntoError
-from onto_compiler.schema import local_name
+from onto_compiler.schema import Schema, local_name
 from onto_compiler.tables import FIRST
 from runtime.loop.records import Diagnosis, RouteDecision
 
@@ -26,14 +28,35 @@ def route(
     """
     decision = route_or_none(diagnosis, knowledge, status, previous, level=level)
     if decision is None:
-        where = f" after route `{local_name(previous)}`" if previous else ""
-        raise OntoError.of(
-            "RUN004",
-            f"no route of the {level} level for `{local_name(diagnosis.failure)}` of `{diagnosis.fact}` "
-            f"({local_name(status)}{where})",
-            "declare a core:CorrectionRoute of this level that admits the failure and supports the predicate's kind",
-        )
+        raise _missing(diagnosis, knowledge.schema, status, previous, level)
     return decision
+
+
+def _missing(diagnosis: Diagnosis, schema: Schema, status: str, previous: str | None, level: str) -> OntoError:
+    """What a routing rule would have needed: a route of the level, its failure, its kind, or its successor."""
+    failure, kind = diagnosis.failure, schema.predicates[diagnosis.fact.predicate].kind
+    of = f"`{local_name(failure)}` of `{diagnosis.fact}`"
+    admitting = [
+        each for each in schema.routes.values() if each.level == level and _among(failure, each.admits, schema)
+    ]
+    names = ", ".join(f"`{each.name}`" for each in admitting)
+    if not admitting:
+        message = f"no route of the {level} level admits {of}"
+        hint = f"let one admit it: `core:admits` with `{local_name(failure)}` or a class above it"
+    elif not any(_among(kind, each.supports, schema) for each in admitting):
+        message = f"{names} of the {level} level admits {of}, and does not support its kind, `{local_name(kind)}`"
+        hint = f"let the route support it: `core:supports` with `{local_name(kind)}` or a class above it"
+    else:
+        after = f" after `{local_name(previous)}`" if previous else ""
+        message = f"no routing rule sends {of} along {names}, {local_name(status)}{after}"
+        hint = (
+            "name the route's successor with core:onRejection, or declare a first route that is no core:ResidualRoute"
+        )
+    return OntoError.of("RUN004", message, hint)
+
+
+def _among(cls: str, wanted: Collection[str], schema: Schema) -> bool:
+    return any(schema.is_a(cls, each) for each in wanted)
 
 
 def route_or_none(

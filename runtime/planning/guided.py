@@ -19,15 +19,15 @@ from grounding.observation import Observation
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import local_name
-from onto_compiler.tables import ABSENT, FIRST, REPEAT
-from runtime.loop.diagnosis import diagnose_goal, select, unmet
+from onto_compiler.tables import ABSENT, EXPLICITLY_FALSE, FIRST, REPEAT, STATUSES
+from runtime.loop.diagnosis import diagnose_goal, evidence_status, lack, select, unmet
 from runtime.loop.records import Diagnosis, RouteDecision
 from runtime.loop.routing import route_or_none
 from runtime.planning.cem import Candidate
 from runtime.planning.mechanisms import Mechanism
 from runtime.planning.problem import COPIES, PlanningProblem
 
-__all__ = ["MechanismTrial", "SearchResult", "improve"]
+__all__ = ["MechanismTrial", "SearchResult", "improve", "standing"]
 
 LEVEL = "plan"
 _PATIENCE = 2
@@ -103,7 +103,7 @@ def improve(
             continue
         spent += answer.evaluations + COPIES
         there, cost = question.judged(answer)
-        better = _standing(required, answer, there, cost) < _standing(required, best, seen, price)
+        better = _rank(required, answer, there, cost) < _rank(required, best, seen, price)
         tried.append(
             MechanismTrial(seen, diagnosis, decision, name, answer.evaluations, better=better, observation=there)
         )
@@ -115,15 +115,17 @@ def improve(
     return SearchResult(best, seen, not unmet(required, seen), spent, tuple(tried))
 
 
-def _standing(required: RequiredABox, plan: Candidate, seen: Observation, cost: float) -> tuple[int, int, float, float]:
+def _rank(required: RequiredABox, plan: Candidate, seen: Observation, cost: float) -> tuple[int, int, float, float]:
     """What plans are compared by, the less the better: all that is observed of them, and their cost."""
-    false, lack = 0, 0.0
-    for index in np.flatnonzero(seen.observed):
-        fact = required.facts[index]
-        margin = float(seen.margin[index]) * (1 if fact.polarity else -1)
-        false += bool(seen.truth[index]) is not fact.polarity
-        lack += max(fact.threshold - margin, 0.0)
-    return false, len(plan.actions), lack, cost
+    false, lacking = standing(required, seen)
+    return false, len(plan.actions), lacking, cost
+
+
+def standing(required: RequiredABox, seen: Observation) -> tuple[int, float]:
+    """Of the observed facts: how many are explicitly false, and the sum of what their margins lack."""
+    false = evidence_status(required.facts, seen) == STATUSES.index(EXPLICITLY_FALSE)
+    missing = lack(required.facts, seen)[seen.observed]
+    return int(false.sum()), float(np.nansum(missing))
 
 
 def _shuffled(names: Iterable[str], random: torch.Generator) -> list[str]:

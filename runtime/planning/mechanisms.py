@@ -12,6 +12,7 @@ from dataclasses import replace
 import torch
 
 from grounding.world_model.dynamics import Imagined
+from runtime.loop.diagnosis import requirement
 from runtime.loop.records import Diagnosis
 from runtime.planning.cem import Candidate, SamplingDistribution, search
 from runtime.planning.problem import PlanningProblem
@@ -134,9 +135,7 @@ def _urging(question: PlanningProblem, diagnosis: Diagnosis) -> Callable[[Imagin
 
     Were the others left out, a plan would be bettered in one fact by giving up another.
     """
-    facts = question.grounder.facts
-    sign = torch.tensor([1.0 if fact.polarity else -1.0 for fact in facts])
-    least = torch.tensor([fact.threshold for fact in facts])
+    sign, least = (torch.from_numpy(each) for each in requirement(question.grounder.facts))
     weight = _URGENT * torch.from_numpy(question.grounder.observed).float()
     weight[diagnosis.index] *= 2
 

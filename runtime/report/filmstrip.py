@@ -85,7 +85,7 @@ def film_html(episode: Episode, schema: Schema, frames: Sequence[Frame]) -> str:
         told = [element("p", prose(sentence)) for sentence in chain(attempt, schema)]
         rows.append(element("h2", f"Attempt {attempt.index + 1}"))
         rows += [element("div", *shown, class_="strip"), *told]
-    rows.append(element("p", element("b", "Outcome: "), outcome_sentence(episode.outcome)))
+    rows.append(element("p", element("b", "Outcome: "), outcome_sentence(episode)))
     return page(title, style, element("header", element("h1", title), instruction), element("main", *rows))
 
 

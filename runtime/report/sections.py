@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from onto_compiler.html import Html, badge, code, element, joined, prose, table, text
 from onto_compiler.schema import Schema
-from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.loop.diagnosis import evidence_status, unmet
+from onto_compiler.wording import counted
+from runtime.loop.diagnosis import satisfied, unmet
 from runtime.loop.records import Diagnosis, Episode, state_name
 from runtime.report.bars import margin_bar
 from runtime.trace.narrate import chain, outcome_sentence, premise_sentence
@@ -144,7 +144,7 @@ def _details(number: int, episode: Episode, schema: Schema) -> Html:
         for attempt in episode.attempts
     ]
     parts.append(element("ol", *turns, class_="chain") if turns else "")
-    parts.append(element("p", element("b", "Outcome: "), outcome_sentence(episode.outcome)))
+    parts.append(element("p", element("b", "Outcome: "), outcome_sentence(episode)))
     parts += [element("p", _end(episode, schema))]
     head = element("summary", episode_name(episode), _verdict(episode))
     return element("details", head, element("div", *parts), id=f"episode-{number}")
@@ -167,10 +167,8 @@ def _end(episode: Episode, schema: Schema) -> str:
 def _figure(diagnosis: Diagnosis, episode: Episode, schema: Schema) -> Html:
     fact, unit = diagnosis.fact, unit_of(diagnosis.fact, schema)
     before, after = diagnosis.margin, margin_after(episode, diagnosis.index)
-    status = evidence_status(episode.required.facts, episode.final)[diagnosis.index]
-    bar = margin_bar(
-        before, after, fact.threshold, unit, polarity=fact.polarity, met=bool(STATUSES[status] == SATISFIED)
-    )
+    met = bool(satisfied(episode.required.facts, episode.final)[diagnosis.index])
+    bar = margin_bar(before, after, fact.threshold, unit, polarity=fact.polarity, met=met)
     told = f"{amount(before, unit)} before, {amount(after, unit)} after"
     caption = element("figcaption", code(atom(fact, schema)), element("span", told))
     return element("figure", caption, bar)
@@ -183,7 +181,7 @@ def answers_section(answers: Sequence[Answer]) -> Html:
         title = answer.question or answer.name or "A query"
         columns = list(zip(*answer.rows, strict=True))
         numeric = [i for i, cells in enumerate(columns) if all(type(plain(c)) in {int, float} for c in cells if c)]
-        caption = f"{len(answer.rows)} row{'' if len(answer.rows) == 1 else 's'}"
+        caption = counted(len(answer.rows), "row")
         if answer.name:
             caption += f" of {answer.name}"
         rows = [tuple(map(words, row)) for row in answer.rows]

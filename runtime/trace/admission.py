@@ -8,9 +8,8 @@ from pyoxigraph import NamedNode, Quad
 
 from onto_compiler.problems import OntoError
 from onto_compiler.rdf import shorten
-from onto_compiler.validator.facts import Term
-from onto_compiler.validator.records import problem_of
-from onto_compiler.validator.validator import Validator
+from onto_compiler.shacl.graph import Term
+from onto_compiler.validator.records import Validator, problem_of
 from runtime.trace.names import RUNS
 
 __all__ = ["refuse_invalid"]

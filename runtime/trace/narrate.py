@@ -9,6 +9,7 @@ from grounding.observation import Observation
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema, local_name
 from onto_compiler.tables import ABSENT, EXHAUSTED, EXPLICITLY_FALSE, MARGIN_VIOLATED, REPEAT, SATISFIED, STATUSES
+from onto_compiler.wording import counted, plural
 from runtime.loop.diagnosis import evidence_status
 from runtime.loop.records import (
     Application,
@@ -61,9 +62,12 @@ _ENDS = {
 }
 
 
-def outcome_sentence(outcome: str, *, planned: bool = False) -> str:
-    """What an outcome means; ``planned``: of an episode whose plans were executed."""
-    return (_PLANNED if planned else {}).get(outcome, _OUTCOMES[outcome])
+def outcome_sentence(episode: Episode) -> str:
+    """What the outcome of ``episode`` means, and who judged."""
+    sentence = (_PLANNED if episode.plans else {}).get(episode.outcome, _OUTCOMES[episode.outcome])
+    if episode.judge == "grounding" and episode.accepted:
+        sentence = sentence.replace("The native verifier", "Grounding") + " No native predicate was asked."
+    return sentence
 
 
 def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) -> Iterator[str]:
@@ -71,7 +75,8 @@ def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) ->
 
     With ``reasons``, each decision is followed by what led to it.
     """
-    yield f"{episode.task} ({episode.suite}, {state_name(episode.state_index, 'initial state')}, seed {episode.seed})"
+    suite = f"{episode.suite}, " if episode.suite else ""
+    yield f"{episode.task} ({suite}{state_name(episode.state_index, 'initial state')}, seed {episode.seed})"
     if episode.required.language:
         yield f"  Instruction: {episode.required.language}."
     if premise := premise_sentence(episode, schema):
@@ -86,7 +91,7 @@ def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) ->
         yield f"Attempt {event.index + 1}" + ("" if event.plan is None else f", to better plan {event.plan + 1}")
         yield from (f"  {sentence}" for sentence in chain(event, schema, reasons))
     yield "Outcome"
-    yield f"  {outcome_sentence(episode.outcome, planned=bool(episode.plans))}"
+    yield f"  {outcome_sentence(episode)}"
     if episode.verification is not None and not episode.attempts:
         yield f"  {_verified(episode.verification)}"
     yield from _state("At the end", episode.required.facts, episode.final, schema)
@@ -193,7 +198,7 @@ def _applied(application: Application) -> str:
     note = f" ({proposal.note})" if proposal.note else ""
     text = f"Application: candidate {proposal.candidate + 1} of `{proposal.proposer}`{note} {_MODES[application.mode]}"
     if application.mode != "controller":
-        moved = f"{len(proposal.changed)} coordinate{'s' if len(proposal.changed) != 1 else ''} of qpos"
+        moved = f"{counted(len(proposal.changed), 'coordinate')} of qpos"
         return f"{text}; it changes {moved} by {application.displacement:.3g} in all."
     taken = "" if application.steps is None else f" in {application.steps} control steps"
     reason = f": {application.reason}" if application.reason else ""
@@ -230,7 +235,8 @@ def _routed(decision: RouteDecision, schema: Schema, *, several: bool) -> str:
 
 def _verified(verification: Verification) -> str:
     verdict = "accepts" if verification.outcome else "rejects"
-    text = f"Verification: the native verifier {verdict} {verification.query}"
+    judge = {"grounding": "grounding", "native": "the native verifier"}[verification.judge]
+    text = f"Verification: {judge} {verdict} {verification.query}"
     if verification.settled is None:
         return f"{text}."
     settled = "still does" if verification.settled else "no longer does"
@@ -254,7 +260,7 @@ def premise_sentence(episode: Episode, schema: Schema) -> str:
         )
     if not broken:
         return f"Its {len(declared)} declared initial facts hold."
-    verb = "does" if len(broken) == 1 else "do"
+    verb = plural(len(broken), "does", "do")
     return f"Of its {len(declared)} declared initial facts, {len(broken)} {verb} not hold: {_listed(broken)}."
 
 

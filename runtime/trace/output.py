@@ -20,6 +20,7 @@ from rich.text import Text
 from onto_compiler.command import CLEAN, print_json
 from onto_compiler.compile_schema import load_schema
 from onto_compiler.problems import OntoError
+from onto_compiler.wording import counted
 from runtime.trace.find import find_episode
 from runtime.trace.narrate import narrate
 from runtime.trace.reasons import load_reasons
@@ -91,10 +92,10 @@ def listing(trace: Trace, shape: str) -> int:
         csv.writer(sys.stdout, lineterminator="\n").writerows([columns, *numbered])
     else:
         for number, suite, task, state, outcome, attempts in numbered:
-            tries = f"{attempts} attempt{'' if attempts == 1 else 's'}"
+            tries = counted(int(str(attempts)), "attempt")
             ended = str(outcome).replace("_", " ")
             sys.stdout.write(f"{number:>4}  {task}\n      {suite}, state {state}: {ended}, {tries}\n")
-        _note(f"{len(numbered)} episode{'' if len(numbered) == 1 else 's'} in {trace.source}")
+        _note(f"{counted(len(numbered), 'episode')} in {trace.source}")
     return CLEAN
 
 
@@ -161,7 +162,7 @@ def print_answer(answer: Answer, shape: str) -> None:
         if answer.question:
             sys.stdout.write(answer.question + "\n")
         _emit(answer.columns, [tuple(map(words, row)) for row in answer.rows], shape, _numeric(answer.rows))
-        _note(f"{len(answer.rows)} row{'' if len(answer.rows) == 1 else 's'}")
+        _note(counted(len(answer.rows), "row"))
 
 
 def _numeric(rows: Sequence[tuple[Cell, ...]]) -> frozenset[int]:

@@ -21,6 +21,7 @@ from onto_compiler.schema import Schema, local_name
 from onto_compiler.sources import load_store
 from onto_compiler.tables import EXHAUSTED, REPEAT
 from onto_compiler.turtle.source_map import SourceMap, read_map
+from onto_compiler.wording import counted
 from runtime.loop.records import Attempt, Diagnosis, RouteDecision
 
 __all__ = ["Reasons", "load_reasons"]
@@ -124,7 +125,7 @@ class Reasons:
         ties = [each for each in attempt.diagnoses if each.priority == chosen.priority]
         rank = f"priority {chosen.priority} is the least"
         first = ", and of those with it this fact comes first" if len(ties) > 1 else ""
-        yield f"Chosen before {others} other{'s' if others > 1 else ''}: {rank}{first}."
+        yield f"Chosen before {counted(others, 'other')}: {rank}{first}."
 
     def of_route(self, decision: RouteDecision) -> Iterator[str]:
         """What made the route eligible, which others are, and what the rule says that chose."""

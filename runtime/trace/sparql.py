@@ -13,6 +13,8 @@ from pyoxigraph import BlankNode, Literal, NamedNode, QueryBoolean, QuerySolutio
 import ontology
 from onto_compiler.problems import OntoError, Problem, near
 from onto_compiler.rdf import PREFIXES, XSD, shorten
+from onto_compiler.sparql import refusal
+from onto_compiler.turtle.tokens import SourceText
 from runtime.trace.names import RUNS
 
 __all__ = ["Answer", "NamedQuery", "ask", "csv_rows", "named_queries", "named_query", "plain", "words"]
@@ -54,9 +56,16 @@ def ask(store: Store, query: str, *, name: str = "", file: str = "") -> Answer:
     """Run ``query`` over all graphs of ``store`` together; our prefixes need no declaration.
 
     Raises:
-        OntoError: TRC004, where the query is no SPARQL or cannot be evaluated.
+        OntoError: TRC004, where the query is no SPARQL or cannot be evaluated; QRY001 to QRY003, where it would reach
+            the network, change the trace, or ask for graphs that are not in it.
     """
+    graphs = {graph.value for graph in store.named_graphs()}
     try:
+        refused = refusal(query, prefixes=PREFIXES, graphs=graphs)
+        if refused is not None:
+            start, length = refused.place(query)
+            span = SourceText(file, query).span(start, start + length)
+            raise OntoError(Problem.at(span, refused.code, refused.message, refused.hint))
         result = store.query(query, prefixes=PREFIXES, use_default_graph_as_union=True)
         columns, rows = _table(result)
     except SyntaxError as error:

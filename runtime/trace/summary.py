@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from onto_compiler.schema import Schema
+from onto_compiler.wording import counted
 from runtime.loop.records import Attempt, Diagnosis, Episode, ExecutedPlan, Verification, state_name
 from runtime.wording import amount, atom, short_name, unit_of
 
@@ -36,6 +37,7 @@ def episode_summary(episode: Episode, schema: Schema) -> dict[str, Any]:
         **({"plans": [_plan(plan, episode, schema) for plan in episode.plans]} if episode.plans else {}),
         "outcome": episode.outcome,
         "accepted": episode.accepted,
+        "judge": episode.judge,
         "settled": None if episode.verification is None else episode.verification.settled,
         "verification": _verification(episode.verification),
         "provenance": dict(episode.provenance),
@@ -67,8 +69,9 @@ def margin_after(episode: Episode, index: int) -> float:
 
 
 def verdict(episode: Episode) -> str:
-    """The outcome in one or two words."""
-    return _VERDICTS.get(episode.outcome, episode.outcome)
+    """The outcome in a few words; that no native predicate was asked is one of them."""
+    text = _VERDICTS.get(episode.outcome, episode.outcome)
+    return f"{text} by grounding" if episode.accepted and episode.judge == "grounding" else text
 
 
 def _diagnosis(diagnosis: Diagnosis, episode: Episode, schema: Schema) -> dict[str, Any]:
@@ -196,5 +199,5 @@ def _cell(episode: Episode) -> Text:
     if settled is not None:
         text.append("\nsettled" if settled else "\nlost settling", style="green" if settled else "red")
     tries = len(episode.attempts)
-    text.append(f"\n{tries} attempt{'' if tries == 1 else 's'}", style="default")
+    text.append(f"\n{counted(tries, 'attempt')}", style="default")
     return text

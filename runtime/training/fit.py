@@ -1,6 +1,6 @@
-"""One training loop: AdamW with a linearly falling rate, kept on disk as it goes.
+"""One training loop: AdamW with a linearly falling rate, saved to a checkpoint as it goes.
 
-Every step draws its batch from a generator of its own, seeded by seed and step. What is kept holds the weights and the
+Every step draws its batch from a generator of its own, seeded by seed and step. The checkpoint holds weights and the
 optimiser's moments, so a run that is resumed ends, bit for bit, as one that was never interrupted.
 """
 
@@ -17,8 +17,8 @@ from grounding.world_model.checkpoint import Card, load, save
 
 __all__ = ["Schedule", "fit"]
 
-_KEPT_EVERY = 20.0
-"""Seconds between two times that the state is written."""
+_SAVE_EVERY = 20.0
+"""Seconds between two writes of the checkpoint."""
 _ARCHITECTURE = "training"
 
 Loss = Callable[[torch.Generator], torch.Tensor]
@@ -38,23 +38,23 @@ def fit(
     loss: Loss,
     schedule: Schedule,
     seed: int,
-    kept: Path,
+    checkpoint: Path,
     log: Callable[[int, float], None] = lambda _step, _loss: None,
     source: str = "",
 ) -> None:
-    """Minimise ``loss`` over the trainable weights of ``module``, in place; ``kept`` is where an interrupted run lies.
+    """Minimise ``loss`` over the trainable weights of ``module``, in place; save progress to ``checkpoint``.
 
-    ``say(step, loss)`` is told of the progress. A fit that is done lies in ``kept`` too, and is not done again.
-    ``source`` says what the loss is made of; what another one, another seed or schedule left there is not gone on with.
+    ``log(step, loss)`` is called as training goes on. A finished fit is read from ``checkpoint`` and not repeated.
+    ``source`` identifies the data of the loss. Checkpoints from another source, seed or schedule are ignored.
 
     Raises:
-        OntoError: ``WM005`` where the loss stops being a finite number, ``WM006`` where ``kept`` cannot be written,
+        OntoError: ``WM005`` where the loss is no longer finite, ``WM006`` where ``checkpoint`` cannot be written,
             ``WM002`` and ``WM004`` where it is damaged or of another network.
     """
     trained = {name: weight for name, weight in module.named_parameters() if weight.requires_grad}
     optimiser = torch.optim.AdamW(trained.values(), lr=schedule.rate, weight_decay=schedule.decay, fused=True)
     about = Card(_ARCHITECTURE, {**asdict(schedule), "source": source}, seed=seed)
-    begin = _resumed(trained, optimiser, kept, about)
+    begin = _resumed(trained, optimiser, checkpoint, about)
     written = time.monotonic()
     for step in range(begin, schedule.steps):
         for group in optimiser.param_groups:
@@ -66,8 +66,8 @@ def fit(
         optimiser.step()
         if step % 100 == 99 or step == schedule.steps - 1:
             log(step + 1, float(found.detach()))
-        if time.monotonic() - written > _KEPT_EVERY or step == schedule.steps - 1:
-            save(kept, _state(trained, optimiser, step + 1), about)
+        if time.monotonic() - written > _SAVE_EVERY or step == schedule.steps - 1:
+            save(checkpoint, _state(trained, optimiser, step + 1), about)
             written = time.monotonic()
 
 
@@ -82,11 +82,13 @@ def _state(
     return found
 
 
-def _resumed(trained: dict[str, torch.nn.Parameter], optimiser: torch.optim.Optimizer, kept: Path, about: Card) -> int:
-    """The step to go on from: 0, or that of the file ``kept``, if it is of this schedule, seed and source."""
-    if not kept.exists():
+def _resumed(
+    trained: dict[str, torch.nn.Parameter], optimiser: torch.optim.Optimizer, checkpoint: Path, about: Card
+) -> int:
+    """The step to resume from: that of ``checkpoint`` if it is of this schedule, seed and source, else 0."""
+    if not checkpoint.exists():
         return 0
-    found = load(kept, _ARCHITECTURE)
+    found = load(checkpoint, _ARCHITECTURE)
     if (dict(found.card.parameters), found.card.seed) != (dict(about.parameters), about.seed):
         return 0
     step = int(found.tensors["step"])

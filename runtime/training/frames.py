@@ -14,7 +14,6 @@ import torch
 from numpy.typing import NDArray
 
 from grounding.world_model.encoder import Encoder, Features, Pictures
-from runtime.worlds.pointmaze.maze import MACRO_STEPS
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -52,18 +51,23 @@ class Frames:
     device: str = "cpu"
 
     @property
+    def macro(self) -> int:
+        """Environment steps of a macro step."""
+        return int(self.actions.shape[1] // (self.features.shape[1] - 1))
+
+    @property
     def marks(self) -> NDArray[np.float32]:
         """States (N, K + 1, P) at the macro steps."""
-        return self.states[:, ::MACRO_STEPS]
+        return self.states[:, :: self.macro]
 
     def piece(self, which: Indices, mark: Indices, horizon: int = HORIZON) -> Piece:
         """``horizon`` macro steps of the trajectories ``which`` (B,), each from its macro step of ``mark`` (B,)."""
         row, marks = which[:, None], mark[:, None] + np.arange(horizon + 1)
-        steps = mark[:, None] * MACRO_STEPS + np.arange(horizon * MACRO_STEPS)
+        steps = mark[:, None] * self.macro + np.arange(horizon * self.macro)
         return Piece(
             self.tensor(self.marks[row, marks]),
             self.tensor(np.asarray(self.features[row, marks])),
-            self.tensor(self.actions[row, steps]).unflatten(1, (horizon, MACRO_STEPS)),
+            self.tensor(self.actions[row, steps]).unflatten(1, (horizon, self.macro)),
         )
 
     def tensor(self, values: NDArray[Any]) -> torch.Tensor:
@@ -80,7 +84,7 @@ class Frames:
         missing = torch.from_numpy(np.arange(length)[None] < length - age[:, None])
         proprio = torch.from_numpy(self.marks[which[:, None], marks])
         proprio[missing] = torch.nan
-        steps = marks[:, :-1, None] * MACRO_STEPS + np.arange(MACRO_STEPS)
+        steps = marks[:, :-1, None] * self.macro + np.arange(self.macro)
         actions = torch.from_numpy(self.actions[which[:, None, None], steps])
         actions[missing[:, :-1]] = torch.nan
         return proprio.to(self.device), actions.to(self.device)
@@ -95,24 +99,24 @@ def encoded(
     states: NDArray[Row],
     draw: Callable[[NDArray[Row]], Pictures],
     encoder: Encoder,
-    kept: Path,
+    path: Path,
     source: DataclassInstance,
     log: Callable[[str], None],
 ) -> Features:
-    """Features (N, D) of the pictures that ``draw`` has of ``states`` (N, P), read from ``kept`` where they lie there.
+    """Features (N, D) of the pictures that ``draw`` has of ``states`` (N, P), read from ``path`` where it has them.
 
     ``source``, a dataclass whose values are JSON, says what the states are: features of others are made anew.
-    ``kept`` is a memory map that is filled a piece at a time, with a note of how far it is beside it, so that an
-    interrupted run goes on.
+    ``path`` is a memory map that is filled in pieces; a JSON file beside it records the progress, from which an
+    interrupted run resumes.
     """
     width = int(np.prod(encoder.shape))
     key = hashlib.sha256(json.dumps([asdict(source), len(states), encoder.identity]).encode()).hexdigest()
-    note = kept.with_suffix(".json")
-    kept.parent.mkdir(parents=True, exist_ok=True)
+    note = path.with_suffix(".json")
+    path.parent.mkdir(parents=True, exist_ok=True)
     shape, done = (len(states), width), _done(note, key)
-    held = _opened(kept, shape) if done else None
+    held = _opened(path, shape) if done else None
     if held is None:
-        held, done = np.lib.format.open_memmap(kept, mode="w+", dtype=np.float32, shape=shape), 0
+        held, done = np.lib.format.open_memmap(path, mode="w+", dtype=np.float32, shape=shape), 0
     while done < len(states):
         rows = slice(done, min(done + _CHUNK, len(states)))
         held[rows] = encoder.encode(draw(states[rows]))
@@ -133,11 +137,11 @@ def _done(note: Path, key: str) -> int:
         return 0
 
 
-def _opened(kept: Path, shape: tuple[int, int]) -> np.memmap[Any, np.dtype[Any]] | None:
-    """What lies in ``kept``; None where that is not whole, or of another shape."""
+def _opened(path: Path, shape: tuple[int, int]) -> np.memmap[Any, np.dtype[Any]] | None:
+    """The array in ``path``; None where it is incomplete or of another shape."""
     try:
-        size = kept.stat().st_size  # opened to be written to, a file that was cut off grows to its length
-        held = np.lib.format.open_memmap(kept, mode="r+")
+        size = path.stat().st_size  # opened to be written to, a file that was cut off grows to its length
+        held = np.lib.format.open_memmap(path, mode="r+")
     except (OSError, ValueError):
         return None
     return held if held.shape == shape and size == held.offset + held.nbytes else None

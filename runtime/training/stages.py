@@ -1,6 +1,6 @@
-"""What the stages of every training share: where they lie, and the parts of a network fitted in turn.
+"""What the stages of every training share: their folder, and the parts of a network, fitted one after another.
 
-A part is kept until its stage is done.
+The checkpoint of a part is deleted when its stage is done.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ _PARTS = {"dynamics": ("motion", "appearance", "estimate"), "events": ("events",
 
 @dataclass(frozen=True)
 class TrainingDir:
-    """Where a training lies: its checkpoints in ``folder``; it computes on ``device``, a GPU where there is one."""
+    """The ``folder`` of a training's checkpoints, and the ``device`` that it computes on: a GPU where there is one."""
 
     folder: Path
     device: str = field(default_factory=device_named, kw_only=True)
 
     @property
     def unfinished(self) -> Path:
-        """What an interrupted stage goes on from."""
+        """The folder of checkpoints that an interrupted stage resumes from."""
         return self.folder / "unfinished"
 
 
 @dataclass(frozen=True, slots=True)
 class Fitter:
-    """Fits what ``card`` tells of, by its seed; an interrupted fit, and one that is done, lie in ``place``."""
+    """Fits the network that ``card`` describes, by its seed; checkpoints of its parts are in ``place``."""
 
     place: TrainingDir
     card: Card
@@ -50,14 +50,14 @@ class Fitter:
     def fit(
         self, name: str, part: torch.nn.Module, loss: Callable[[torch.Generator], torch.Tensor], schedule: Schedule
     ) -> None:
-        """Fit ``part``, where it has its weights, and freeze it; raises as :func:`runtime.training.fit.fit`."""
+        """Fit ``part`` on the device of its weights, and freeze it; raises as :func:`runtime.training.fit.fit`."""
 
-        def told(step: int, found: float) -> None:
+        def report(step: int, found: float) -> None:
             if step % 500 == 0:
                 self.log(f"{name}: step {step:,}, loss {found:.4f}")
 
         source = json.dumps([self.card.data, self.card.encoder], sort_keys=True)
-        fit(part, loss, schedule, self.card.seed or 0, self.place.unfinished / name, told, source)
+        fit(part, loss, schedule, self.card.seed or 0, self.place.unfinished / name, report, source)
         part.eval().requires_grad_(requires_grad=False)
 
     def dynamics(
@@ -73,7 +73,7 @@ class Fitter:
             self.fit(name, part, loss, schedules[name])
 
     def forget(self, stage: str) -> None:
-        """Remove what was kept of ``stage``, whose checkpoint is written."""
+        """Delete the parts' checkpoints of ``stage``, which is done."""
         for name in _PARTS.get(stage, ()):
             (self.place.unfinished / name).unlink(missing_ok=True)
 

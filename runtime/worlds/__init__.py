@@ -1,1 +1,1 @@
-"""The worlds that tasks are set in: each a folder of its own that no other world imports."""
+"""The simulated worlds, one folder each, and beside them what they share; see ``docs/worlds.md``."""

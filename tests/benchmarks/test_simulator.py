@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.simulator import SIMULATOR, TASKS, untimed
+from benchmarks.protocol import untimed
+from benchmarks.simulator import SIMULATOR, TASKS
 
 pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("simulator_rows")]
 
@@ -69,8 +70,8 @@ def test_processes_agree_and_nothing_breaks_off(rows):
 
 
 def test_the_same_command_gives_the_same_rows_timings_aside(rows):
-    (first,) = untimed(rows[:1])
-    (second,) = untimed(small("libero_goal/0", actions=20))
+    (first,) = untimed(SIMULATOR, rows[:1])
+    (second,) = untimed(SIMULATOR, small("libero_goal/0", actions=20))
     assert first == second
     assert "timing" not in first
     assert "timing" in rows[0]

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from benchmarks import skills
-from benchmarks.skills import SKILLS, before_retry, metrics, untimed
+from benchmarks.protocol import untimed
+from benchmarks.skills import SKILLS, before_retry, metrics
 from benchmarks.skills_tables import skills_table
 
 ON = "on(bowl, plate)"
@@ -118,7 +119,7 @@ def test_a_table_without_failures_says_so():
 def test_times_are_apart_from_what_two_runs_agree_on():
     one, other = (row(timing={"planning_s": s}, seconds=s) for s in (1.0, 2.0))
     assert one != other
-    assert untimed([one]) == untimed([other])
+    assert untimed(SKILLS, [one]) == untimed(SKILLS, [other])
 
 
 @pytest.mark.sim
@@ -162,7 +163,7 @@ def test_an_episode_gives_the_same_row_whatever_came_before_and_is_replayed_to_t
     other = bench.row(1, "lookahead")
     again = bench.row(0, "reactive")
     assert other["rehearsed"] > 0
-    assert untimed([first]) == untimed([again])
+    assert untimed(SKILLS, [first]) == untimed(SKILLS, [again])
     assert first["replayed_same"]
     assert first["success"] == (first["outcome"] == "success")
     assert len(first["tries"]) >= 1

@@ -16,7 +16,7 @@ from onto_compiler.command import CLEAN, FINDINGS
 from runtime.cli import main
 
 ROOT = Path(__file__).resolve().parents[2]
-UNMEASURED: set[str] = set()  # protocols whose result is not published yet; their tables say so
+UNMEASURED = {"house", "replayed"}  # protocols whose result is not published yet; their tables say so
 PAGES_WITH_COMMANDS = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])
 ORDER = ["ontology", "onto_compiler", "grounding", "runtime", "benchmarks"]
 HEAVY = {"mujoco", "torch", "robosuite", "libero"}
@@ -50,8 +50,9 @@ def test_the_readme_shows_what_its_commands_print(monkeypatch, capsys):
     (session,) = (b for b in blocks(ROOT / "README.md", "console") if "onto diagnose" in b)
     commands = [line.removeprefix("$ ") for line in session.splitlines() if line.startswith("$ ")]
     expected = "\n".join(line for line in session.splitlines() if not line.startswith("$ "))
-    assert [main(shlex.split(command)[1:]) for command in commands] == [CLEAN, FINDINGS]
+    assert [main(shlex.split(command)[1:]) for command in commands] == [CLEAN, FINDINGS, CLEAN]
     assert capsys.readouterr().out.strip() == expected.strip()
+    assert max(map(len, expected.splitlines())) <= 80
 
 
 def test_every_command_that_the_documentation_names_exists(capsys):
@@ -89,7 +90,7 @@ def test_tables_are_those_of_the_results(page):
 
 
 def test_results_are_published_clean_and_their_metrics_follow_from_their_rows():
-    protocols = load_protocols()
+    protocols = {protocol.file.removesuffix(".json"): protocol for protocol in load_protocols().values()}
     files = sorted(RESULTS.glob("*.json"))
     assert set(TABLES) == set(protocols)
     assert {path.stem for path in files} == set(TABLES) - UNMEASURED
@@ -97,7 +98,7 @@ def test_results_are_published_clean_and_their_metrics_follow_from_their_rows():
         record = read_result(path)
         assert record["dirty"] is False
         assert re.fullmatch(r"[0-9a-f]{40}", record["commit"])
-        assert re.fullmatch(rf"onto bench {path.stem} --full( --part \w+)*", record["command"])
+        assert re.fullmatch(rf"onto bench {protocols[path.stem].name} --full( --part \w+)*", record["command"])
         assert not any(part["dirty"] for part in record.get("parts", {}).values())
         assert all(row.get("crashed") or {"mode", "sees"} <= set(row) for row in record["rows"])
         assert record["metrics"] == pytest.approx(dict(protocols[path.stem].metrics(record["rows"])))
@@ -146,6 +147,8 @@ def test_torch_is_imported_where_a_model_is_trained_or_used_and_nowhere_else():
         "grounding/world_model/",
         "runtime/planning/",
         "runtime/training/",
+        "runtime/worlds/libero/training/",
+        "runtime/worlds/pointmaze/",
     )
     users = {
         str(path.relative_to(ROOT)) for _, path in modules() if "torch" in {n.split(".")[0] for n in imported(path)}

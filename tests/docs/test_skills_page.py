@@ -40,7 +40,7 @@ def test_the_route_is_declared_and_its_skill_registered_as_the_page_says():
 
 def test_every_command_of_the_page_is_understood():
     from benchmarks.command import BENCH
-    from runtime.commands.play import PLAY
+    from runtime.worlds.libero.commands.play import PLAY
 
     known = {command.name: argparse.ArgumentParser() for command in (PLAY, BENCH)}
     for command in (PLAY, BENCH):

@@ -73,7 +73,8 @@ def test_every_asset_that_can_open_or_turn_has_its_thresholds_declared(assets, s
 def test_the_index_of_every_scene_is_libero_s_own(suite):
     from grounding.scenes import Scene
     from runtime.worlds.libero.simulator.assets import tasks
-    from runtime.worlds.libero.simulator.native_import import control_env, quiet
+    from runtime.worlds.libero.simulator.native_import import control_env
+    from runtime.worlds.native_import import quiet
 
     compared = 0
     assert len(tasks(suite)) == 10

@@ -15,7 +15,7 @@ _PROPERTY = {**_DATA, ":": "%3A", ",": "%2C"}
 
 
 def render(checked: Checked) -> str:
-    """One ``::error`` or ``::warning`` line for each problem."""
+    """One ``::error``, ``::warning`` or ``::notice`` line for each problem."""
     return "".join(_line(problem) + "\n" for problem in checked.problems)
 
 
@@ -23,7 +23,8 @@ def _line(problem: Problem) -> str:
     place = {"file": problem.file, "line": problem.line, "col": problem.column, "title": problem.code}
     properties = ",".join(f"{name}={_escaped(str(value), _PROPERTY)}" for name, value in place.items() if value)
     message = f"{problem.message}\n{problem.hint}" if problem.hint else problem.message
-    return f"::{problem.severity} {properties}::{_escaped(message, _DATA)}"
+    level = "notice" if problem.severity == "info" else problem.severity
+    return f"::{level} {properties}::{_escaped(message, _DATA)}"
 
 
 def _escaped(text: str, replacements: dict[str, str]) -> str:

@@ -19,7 +19,7 @@ _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
 
 def render(checked: Checked) -> str:
-    """An XML document; warnings that do not fail the check stand in the output of a case that passes."""
+    """An XML document; what does not fail the check stands in the output of a case that passes."""
     suites = Element("testsuites", name="onto check")
     suite = SubElement(suites, "testsuite", name="onto check")
     failed = 0

@@ -18,6 +18,7 @@ from onto_compiler.problems import Problem
 __all__ = ["SCHEMA", "render"]
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+_LEVELS = ("note", "warning", "error")
 _ROOT = "%SRCROOT%"  # what code scanning resolves to the root of the checkout
 
 
@@ -26,8 +27,8 @@ def render(checked: Checked) -> str:
     codes = sorted({problem.code for problem in checked.problems})
     levels: dict[str, str] = {}
     for problem in checked.problems:
-        if levels.get(problem.code) != "error":  # a code with problems of both severities is an error
-            levels[problem.code] = problem.severity
+        level = _level(problem)
+        levels[problem.code] = max(level, levels.get(problem.code, level), key=_LEVELS.index)  # the gravest
     run = {
         "tool": {"driver": {"name": "onto", "rules": [_rule(code, levels[code]) for code in codes]}},
         "columnKind": "unicodeCodePoints",
@@ -36,6 +37,10 @@ def render(checked: Checked) -> str:
     }
     log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
     return json.dumps(log, indent=2, ensure_ascii=False) + "\n"
+
+
+def _level(problem: Problem) -> str:
+    return "note" if problem.severity == "info" else problem.severity
 
 
 def _rule(code: str, level: str) -> dict[str, Any]:
@@ -56,7 +61,7 @@ def _result(problem: Problem, index: int) -> dict[str, Any]:
     result: dict[str, Any] = {
         "ruleId": problem.code,
         "ruleIndex": index,
-        "level": problem.severity,
+        "level": _level(problem),
         "message": {"text": message},
     }
     if problem.file:

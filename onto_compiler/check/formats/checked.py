@@ -30,7 +30,7 @@ class Checked:
 
     def fails(self, problem: Problem) -> bool:
         """Whether ``problem`` is severe enough to fail."""
-        return problem.severity == "error" or self.fail_on == "warning"
+        return problem.severity in {"error", self.fail_on}
 
     def text(self, file: str) -> str | None:
         """A file's text, read once; None where it cannot be read."""

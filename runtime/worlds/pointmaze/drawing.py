@@ -27,9 +27,9 @@ class Way:
 
 
 def maze_drawing(
-    maze: Maze, start: NDArray[np.float64], goal: NDArray[np.float64], ways: Sequence[Way], told: str
+    maze: Maze, start: NDArray[np.float64], goal: NDArray[np.float64], ways: Sequence[Way], caption: str
 ) -> Html:
-    """An SVG of ``ways`` in ``maze`` from ``start`` to ``goal`` (4,), y upwards; ``told`` says it in words."""
+    """An SVG of ``ways`` in ``maze`` from ``start`` to ``goal`` (4,), y upwards; ``caption`` labels it."""
     low_x, low_y, high_x, high_y = maze.extent
 
     def at(x: float, y: float) -> tuple[str, str]:
@@ -60,4 +60,4 @@ def maze_drawing(
     if ways:
         parts.append(arrow(ways[-1].executed[-1], "executed"))
     size = f"0 0 {(high_x - low_x) * _SCALE:g} {(high_y - low_y) * _SCALE:g}"
-    return element("svg", Html("".join(parts)), viewBox=size, role="img", aria_label=told, class_="maze")
+    return element("svg", Html("".join(parts)), viewBox=size, role="img", aria_label=caption, class_="maze")

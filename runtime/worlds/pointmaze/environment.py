@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from grounding.scenes import Scene
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError, near
-from runtime.worlds.libero.gym.facts import FactReporter
+from runtime.worlds.facts import FactReporter
 from runtime.worlds.pointmaze.grounded import place, required_facts
 from runtime.worlds.pointmaze.maze import ACTION_DIM, FRAME_SKIP, STATE_DIM, TIME_STEP, maze_named
 from runtime.worlds.pointmaze.picture import SIZE, draw
@@ -22,11 +22,11 @@ from runtime.worlds.pointmaze.rollout import Rollout, checked_states
 from runtime.worlds.pointmaze.trials import trial_in
 from runtime.worlds.pointmaze.verdict import judge
 
-__all__ = ["PointMazeEnv"]
+__all__ = ["HORIZON", "PointMazeEnv"]
 
 Observed = dict[str, NDArray[Any]]
 Info = dict[str, Any]
-_HORIZON = 100
+HORIZON = 100
 """Environment steps: four plans of 25."""
 _RENDERED = 224
 _FRESH, _TRIALS = 10_000, 1_000_000
@@ -54,7 +54,7 @@ class PointMazeEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         *,
         observe: Literal["state", "pixels"] = "state",
         size: int = SIZE,
-        horizon: int = _HORIZON,
+        horizon: int = HORIZON,
         terminate: bool = True,
         render_mode: str | None = None,
         ontology: Sequence[str] = (),

@@ -21,11 +21,13 @@ from grounding.world_model.model import FILES, load_dynamics
 from grounding.world_model.projection import Projected, load_projected, save_projection
 from grounding.world_model.projection import fit as fit_projection
 from onto_compiler.knowledge import load_knowledge
+from onto_compiler.problems import OntoError
 from onto_compiler.schema import local_name
 from runtime.training.fit import Schedule
 from runtime.training.frames import HORIZON, Frames, encoded
 from runtime.training.heads import LabelFunctions, RolloutEnds, RolloutSampler, event_loss, fact_loss
 from runtime.training.measures import auroc, calibration_error
+from runtime.training.request import Stage, TrainingRequest, given
 from runtime.training.stages import Fitter, Log, TrainingDir, head_parameters
 from runtime.worlds.pointmaze.geodesic import Geodesic
 from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
@@ -34,10 +36,19 @@ from runtime.worlds.pointmaze.picture import draw
 from runtime.worlds.pointmaze.planning.sensing import POSITION
 from runtime.worlds.pointmaze.trajectories import Split, Trajectories, collect
 
-__all__ = ["MazeTrainingConfig", "train"]
+__all__ = ["MazeTrainingConfig", "stages", "train"]
 
 _TEST = 200
 """Trajectories of the test split, which the figures on a card are measured on."""
+
+
+def stages(asked: TrainingRequest) -> Stage:
+    """What trains the stages that are ``asked`` for; raises ``CLI002`` for demonstrations, which a maze has none of."""
+    if asked.demos is not None or asked.count is not None:
+        raise OntoError.of("CLI002", "`pointmaze` has no demonstrations to choose", "leave --demos and --count out")
+    config = MazeTrainingConfig(seed=asked.seed, **given(encoder=asked.encoder))
+    place = TrainingDir(asked.folder)
+    return lambda stage, command, commit, log: train(stage, config, place, command, commit, log)
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,8 +234,8 @@ def _trajectories(config: MazeTrainingConfig, split: Split) -> Trajectories:
 
 def _pictures(maze: Maze, found: Trajectories, base: Any, place: TrainingDir, log: Log) -> np.ndarray:  # noqa: ANN401
     states = found.states[:, ::MACRO_STEPS].reshape(-1, STATE_DIM)
-    kept = place.unfinished / f"features.{found.source.split}.npy"
-    return encoded(states, lambda rows: draw(maze, rows, base.size), base, kept, found.source, log)
+    path = place.unfinished / f"features.{found.source.split}.npy"
+    return encoded(states, lambda rows: draw(maze, rows, base.size), base, path, found.source, log)
 
 
 def _frames(config: MazeTrainingConfig, split: Split, seen: Projected, place: TrainingDir, log: Log) -> Frames:

@@ -112,12 +112,12 @@ def _drawn(maze: Maze, steps: int, key: tuple[int, ...]) -> tuple[NDArray[np.flo
     while not maze.free(place):
         place = _anywhere(maze, random)
     start = np.concatenate([place, random.uniform(-_SPEED, _SPEED, 2)])
-    kept = _PERSISTENCE[random.integers(len(_PERSISTENCE))]
+    persistence = _PERSISTENCE[random.integers(len(_PERSISTENCE))]
     noise = random.normal(size=(steps, ACTION_DIM)) * random.uniform(*_STRENGTH)
     pushes = np.empty((steps, ACTION_DIM))
-    fresh = np.sqrt(1 - kept**2)  # keeps the standard deviation, whatever stays of the last action
+    fresh = np.sqrt(1 - persistence**2)  # keeps the standard deviation, whatever stays of the last action
     for step in range(steps):
-        pushes[step] = kept * pushes[step - 1] + fresh * noise[step] if step else noise[0]
+        pushes[step] = persistence * pushes[step - 1] + fresh * noise[step] if step else noise[0]
     return start, np.clip(pushes, -1.0, 1.0)
 
 

@@ -253,12 +253,12 @@ def test_an_unknown_name_suggests_the_nearest(lifted):
 def test_a_region_of_something_undeclared_is_an_error_where_it_is_used(schema):
     text = SCENE.replace("(corner (:target table_1))", "(corner (:target drainer_1))").replace("INIT", "")
     abox, warnings = lift(parse(text.replace("GOAL", "(On bowl_1 plate_1)")), schema, "task")
-    assert [(each.code, each.severity) for each in warnings] == [("BDDL015", "warning")]
+    assert [(each.code, each.severity) for each in warnings] == [("BDDL015", "info")]
     assert len(abox.facts) == 1
     with pytest.raises(OntoError) as caught:
         lift(parse(text.replace("GOAL", "(On bowl_1 drainer_1_corner)")), schema, "task")
     assert [(each.code, each.severity) for each in caught.value.problems] == [
-        ("BDDL015", "warning"),
+        ("BDDL015", "info"),
         ("BDDL015", "error"),
     ]
 
@@ -277,17 +277,21 @@ def test_lifting_twice_gives_the_same(task_file, schema):
 def test_every_libero_task_lifts(libero_files):
     compile_schema = pytest.importorskip("onto_compiler.compile_schema")
     schema = compile_schema.load_schema()
-    seen = 0
+    seen = turned = 0
     for file in libero_files:
         spec = parse_file(file)
         abox, warnings = lift(spec, schema, file.stem)
         assert abox.facts
         assert len(abox.premise) == len(spec.init)
         # LIBERO-Goal's files place two regions on a drainer that they do not declare.
-        assert {each.code for each in warnings} <= {"BDDL015"}
-        assert bool(warnings) == (file.parent.name == "libero_goal")
+        assert all(each.severity == "info" for each in warnings if each.code == "BDDL015")
+        found = {each.code for each in warnings}
+        # Nine files of the study table turn a caddy's region that nobody starts on, and a book, which LIBERO ignores.
+        assert found <= ({"BDDL015"} if file.parent.name == "libero_goal" else {"BDDL034"})
+        turned += any(each.severity == "warning" for each in warnings)
+        assert (file.parent.name == "libero_goal") == (found == {"BDDL015"})
         seen += 1
-    assert seen == 130
+    assert (seen, turned) == (130, 9)
 
 
 def test_the_binding_that_the_documentation_shows_lifts_a_task_of_behavior(tmp_path):

@@ -30,7 +30,7 @@ def test_a_task_file_reads_into_its_parts(task_file):
     )
     assert [each.category for each in spec.fixtures] == ["table", "wooden_cabinet", "flat_stove"]
     assert spec.regions[0] == Region(
-        "bowl_region", Symbol("main_table"), ranges=((-0.1, -0.01, -0.08, 0.01),), yaw=(0.0, 0.5)
+        "bowl_region", Symbol("main_table"), ranges=((-0.1, -0.01, -0.08, 0.01),), rgba=(0.0, 0.0, 1.0, 0.5)
     )
     assert [region.site for region in spec.regions[2:]] == [
         "wooden_cabinet_1_middle_region",

@@ -17,7 +17,7 @@ HERE = Path(__file__).parent
 ROOT = Path(__file__).resolve().parents[3]
 BROKEN = sorted((HERE / "broken").glob("*.ttl"))
 GOOD = sorted((HERE / "good").glob("*.ttl"))
-CODE = re.compile(r"\b(?:TTL|VOC|DOC|SIG|RTE|RUL|BND|OWL|SHP|ABX|SCR)\d{3}\b")
+CODE = re.compile(r"\b(?:TTL|VOC|DOC|SIG|RTE|RUL|BND|OWL|SHP|ABX|SCR|QRY)\d{3}\b")
 
 
 def expected(path):
@@ -31,7 +31,7 @@ def problems_in(path):
 
 
 def test_the_corpus_is_complete():
-    assert len(BROKEN) == 137
+    assert len(BROKEN) == 145
     assert len(GOOD) == 3
 
 
@@ -68,7 +68,7 @@ def test_the_shipped_ontology_has_no_problem():
 def test_codes_have_a_page_and_an_example_each():
     """Codes that the program can report, pages that explain one, and broken files that show one are the same."""
     sources = [*(ROOT / "onto_compiler").glob("*.py")]
-    for folder in ("check", "turtle"):
+    for folder in ("check", "shacl", "turtle"):
         sources += (ROOT / "onto_compiler" / folder).glob("*.py")
     sources += ontology.turtle_files()
     reported = {check.code for check in query_checks()}
@@ -78,7 +78,7 @@ def test_codes_have_a_page_and_an_example_each():
     shown = {code for path in BROKEN for code, _, _ in expected(path)}
     paged = {path.stem for path in FOLDER.glob("*.md") if CODE.fullmatch(path.stem)}
     assert reported == paged == shown
-    assert len(reported) == 108
+    assert len(reported) == 113
 
 
 def test_every_page_says_what_the_program_says():
@@ -103,4 +103,4 @@ def test_the_index_lists_every_page_of_these_codes():
     for row in index().splitlines():
         if CODE.search(row):
             assert row in rows
-    assert sum(bool(CODE.search(row)) for row in rows) == 108
+    assert sum(bool(CODE.search(row)) for row in rows) == 113

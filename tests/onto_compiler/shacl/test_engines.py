@@ -231,6 +231,7 @@ def test_damaged_shapes_are_refused_or_run():
         try:
             validate_graph(damaged, compile_graph(damaged))
         except OntoError as error:
-            assert {problem.code for problem in error.problems} == {"SHP002"}  # noqa: PT017 - one outcome of two
+            codes = {problem.code for problem in error.problems}
+            assert codes <= {"SHP002", "QRY001", "QRY002", "QRY003"}
             refused += 1
     assert 20 < refused < 1480

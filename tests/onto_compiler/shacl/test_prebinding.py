@@ -67,7 +67,6 @@ def test_names_in_strings_and_comments_are_left_alone():
         ("SELECT $this WHERE { { SELECT ?o WHERE { $this ?p ?o } } }", "`$this`"),
         ("SELECT $this WHERE { ?s ?p ?o MINUS { $this ?p 1 } }", "MINUS"),
         ("SELECT $this WHERE { VALUES ?x { 1 } }", "VALUES"),
-        ("SELECT $this WHERE { SERVICE <urn:s> { ?a ?b ?c } }", "SERVICE"),
         ("SELECT (1 AS ?this) WHERE { }", "assigned"),
         ('SELECT $this WHERE { $this ?p "MINUS" }', ""),
     ],

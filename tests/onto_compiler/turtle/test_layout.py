@@ -191,7 +191,7 @@ def spread(words: Iterable[str], rng: random.Random) -> str:
     return re.sub(r"(?m)#(?=[\r\n ]*$)", lambda _: f"# remark {next(number)}", text)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=80, deadline=None)
 @given(st.lists(STATEMENTS, max_size=4), st.integers(0, 2**32))
 def test_whatever_is_written_keeps_graph_and_comments_and_formatting_twice_is_formatting_once(statements, seed):
     start = ["@prefix", "ex:", "<https://example.org/>", ".", "PREFIX", "rdf:", f"<{RDF}>"]

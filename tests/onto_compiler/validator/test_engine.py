@@ -1,5 +1,6 @@
 """The engine finds the same, in the same words, by the queries of the implications and by their Python forms."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from onto_compiler.sources import load_store
 from onto_compiler.validator.engine import with_implications
 
 CHECK = Path(__file__).parents[1] / "check"
+IMPLIED = ("abx001", "abx002", "abx003")  # what the implications are about; the other files break other constraints
 FILES = [*sorted((CHECK / "broken").glob("abx*.ttl")), CHECK / "good" / "episode.ttl"]
 
 
@@ -25,16 +27,18 @@ def queries(shapes):
 
 
 def test_there_are_examples():
-    assert len(FILES) >= 5
+    assert sum(file.stem.startswith(IMPLIED) for file in FILES) >= 5
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_both_forms_find_the_same(file):
     store = load_store([file])
     shapes = compile_shapes(store)
+    shapes = shapes.only({shape.iri for shape in shapes.roots if queries(replace(shapes, known={shape.iri: shape}))})
     found = validate(store, shapes)
     assert sorted(validate(store, with_implications(shapes)), key=str) == sorted(found, key=str)
-    assert bool(found) == (file.parent.name == "broken")
+    if file.stem.startswith(IMPLIED):
+        assert found
 
 
 def test_no_shipped_implication_runs_as_a_query():

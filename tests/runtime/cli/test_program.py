@@ -176,3 +176,43 @@ def test_the_overview_imports_nothing_heavy():
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stderr.strip() == "[]"
+
+
+FOREIGN = """
+def ground(scene, fact, schema):
+    return helper(fact)
+
+
+def helper(fact):
+    return {}["cloth_1"]
+"""
+
+
+def test_an_exception_of_registered_code_is_told_at_its_own_line(tmp_path, monkeypatch, capsys):
+    """The file and line are the person's, and the entry point and the package are named."""
+    from onto_compiler import registered
+
+    (tmp_path / "my_grounding.py").write_text(FOREIGN)
+    monkeypatch.syspath_prepend(tmp_path)
+    point = EntryPoint("wiped", "my_grounding:ground", registered.GROUNDINGS)
+    vars(point).update(dist=type("Distribution", (), {"name": "my-grounding"}))
+    monkeypatch.setattr(registered, "entry_points", lambda group: [point] if group == registered.GROUNDINGS else [])
+    command = Command(
+        "probe", "Asks.", "onto probe", lambda parser: None, lambda options: point.load()(None, None, None)
+    )
+    monkeypatch.setattr(program, "load", lambda name, points: command)
+    assert main(["probe"]) == 2
+    text = capsys.readouterr().err
+    assert "error[RUN007]: the grounding function `wiped` (`my_grounding:ground`, package `my-grounding`)" in text
+    assert "raised KeyError: 'cloth_1'" in text
+    assert f"{tmp_path / 'my_grounding.py'}:7:1" in text
+    assert "fault of `onto`" not in text
+
+
+def test_our_own_exception_stays_ours_whatever_is_registered(monkeypatch, capsys):
+    from onto_compiler import registered
+
+    point = EntryPoint("wiped", "my_grounding:ground", registered.GROUNDINGS)
+    monkeypatch.setattr(registered, "entry_points", lambda group: [point] if group == registered.GROUNDINGS else [])
+    assert main(["probe", "crash"]) == 70
+    assert "fault of `onto`" in capsys.readouterr().err

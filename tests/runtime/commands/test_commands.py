@@ -14,12 +14,15 @@ import pytest
 from onto_compiler.command import CLEAN, FINDINGS, MISUSE
 from onto_compiler.problems import OntoError
 from runtime.cli import main
+from runtime.trace.narrate import outcome_sentence
 from runtime.trace.store import open_trace
+from runtime.trace.summary import verdict
 from runtime.worlds.libero.simulator.assets import find_task, initial_states
 
 pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
 # A shell that runs the tests in the background lets its children ignore SIGINT.
 HEAR = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = HEAR + "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
 INTERRUPTED = 130
 
@@ -48,6 +51,29 @@ def test_ground_prints_for_people_within_eighty_columns_where_names_allow(capsys
     assert code == CLEAN
     assert "no  joint_state(flat_stove_1, flat_stove_on): -0.5 rad (qpos), explicitly false" in out
     assert "the native check says no success" in out
+
+
+SERVED = ["docs/examples/serve_the_cheese.bddl", "--ontology", "docs/examples/served.ttl"]
+
+
+def test_a_repair_without_a_native_judge_names_the_option_that_lets_grounding_accept(capsys, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    code, out, err = run(capsys, "repair", *SERVED)
+    assert (code, out) == (MISUSE, "")
+    assert "SIM018" in err
+    assert "--judge grounding" in err
+
+
+def test_grounding_accepts_where_it_is_asked_to_and_everything_says_so(capsys, monkeypatch, tmp_path):
+    monkeypatch.chdir(ROOT)
+    code, out, _ = run(capsys, "repair", *SERVED, "--judge", "grounding", "--out", str(tmp_path), "--json")
+    record = json.loads(out)
+    assert code == CLEAN
+    assert (record["accepted"], record["settled"], record["judge"]) == (True, True, "grounding")
+    (episode,) = [open_trace(tmp_path / "store").load(iri) for iri in open_trace(tmp_path / "store").episodes()]
+    assert episode.judge == "grounding"
+    assert outcome_sentence(episode).endswith("No native predicate was asked.")
+    assert verdict(episode) == "accepted by grounding"
 
 
 def test_diagnose_orders_a_task_of_two_facts(capsys):

@@ -260,9 +260,7 @@ def test_a_budget_that_is_spent_on_states_that_do_not_settle_is_unresolved_and_s
     states, verdicts = [[FALSE], [TRUE], [TRUE]], [False, True, True]
     result = run([ON], Unstable(states, verdicts, falls=9), budget=2)
     assert (result.outcome, len(result.attempts)) == ("unresolved", 2)
-    assert result.reason == (
-        "the budget of 2 attempts is spent; the last state that was accepted did not survive 20 steps of settling"
-    )
+    assert result.reason == "the last state that was accepted did not survive 20 steps of settling"
     assert (result.verification.outcome, result.verification.settled) == (True, False)
 
 
@@ -273,10 +271,45 @@ def test_a_start_that_is_accepted_and_does_not_settle_is_corrected_from_where_it
     assert (result.lost.outcome, result.lost.settled) == (True, False)
     result = run([ON], Unstable([[FALSE], [TRUE]], [True, True], falls=1), budget=0)
     assert (result.outcome, result.attempts, result.verification) == ("unresolved", (), result.lost)
-    assert result.reason.startswith("the budget of 0 attempts is spent; ")
+    assert result.reason.endswith("did not survive 20 steps of settling")
 
 
-def test_without_a_further_candidate_the_reason_says_so():
-    counts = dict.fromkeys(("object_relation_predicate", "source_joint_residual", "source_joint_pose"), 0)
-    result = run([ON], Scripted([[FALSE]], [False]), **counts)
-    assert (result.outcome, result.reason) == ("unresolved", "no route has a further candidate")
+def test_a_route_that_nothing_serves_ends_unresolved_and_says_so():
+    """Of the two routes of a relation, one after the other: the failure is kept, and what is missing is named."""
+    loop = CorrectionLoop(load_knowledge(), {}, 4)
+    required = RequiredABox("task", "do it", "problem", (ON,))
+    result = loop.run(required, Scripted([[FALSE]], [False]), np.random.default_rng(0))
+    assert (result.outcome, result.attempts) == ("unresolved", ())
+    assert result.reason == "no proposer is registered as `object_relation_predicate` or `source_joint_residual`"
+
+
+def test_an_exhausted_budget_needs_no_further_reason():
+    assert run([ON], Scripted([[FALSE]] * 5, [False] * 5)).reason == ""
+
+
+def test_a_missing_route_says_what_it_lacks():
+    """The level, the failure, the kind, or the rule: never what is there."""
+    from dataclasses import replace
+
+    from onto_compiler.knowledge import Knowledge
+    from onto_compiler.problems import OntoError
+    from onto_compiler.tables import RuleTables
+    from runtime.loop.diagnosis import diagnose
+    from runtime.loop.routing import route
+
+    known = load_knowledge()
+    (found,) = diagnose([ON], stack("sim", 0, [FALSE]), known.tables)
+    silent = RuleTables(known.tables.diagnosis, {})
+    routes = known.schema.routes.items()
+
+    def said(**changes):
+        schema = replace(known.schema, routes={iri: replace(each, **changes) for iri, each in routes})
+        with pytest.raises(OntoError, match="RUN004") as caught:
+            route(found, Knowledge(schema, silent))
+        return caught.value.problems[0]
+
+    assert "no route of the state level admits `RelationMissing`" in said(level="plan").message
+    assert "no route of the state level admits `RelationMissing`" in said(admits=frozenset()).message
+    assert "does not support its kind, `ObjectRelation`" in said(supports=frozenset()).message
+    assert "no routing rule sends" in said().message
+    assert "core:supports" in said(supports=frozenset()).hint

@@ -9,13 +9,13 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
-import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 
 import ontology
+from onto_compiler.atomic import replacing
 from onto_compiler.cache import digest
 from onto_compiler.sources import collect
 from onto_compiler.versions import version_of
@@ -57,11 +57,8 @@ class AuditCache:
             return
         path = self._path(ref)
         try:
-            self._folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(dir=self._folder) as scratch:
-                partial = Path(scratch) / path.name
+            with replacing(path) as partial:
                 partial.write_text(json.dumps(asdict(task), allow_nan=False), encoding="utf-8")
-                partial.replace(path)
         except OSError as error:
             _LOG.warning("the audit cannot be kept in %s: %s", self._folder, error)
 

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
-from multiprocessing import get_context
+from functools import lru_cache, partial
 from pathlib import Path
 
 from onto_compiler.knowledge import load_knowledge
+from onto_compiler.pool import WorkerDiedError, map_over_processes
 from runtime.worlds.libero.audit.cache import AuditCache
 from runtime.worlds.libero.audit.kinds import Kind, load_kinds
 from runtime.worlds.libero.audit.measures import DECIDING, MEASURES
@@ -41,9 +39,9 @@ def run_audit(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int, tick: Callabl
     kinds = kinds_of(plan.ontology)
     load_knowledge(*plan.ontology)
     done: dict[TaskRef, TaskAudit] = {}
-    kept = AuditCache(plan.folder, plan.ontology, plan.seed)
+    cache = AuditCache(plan.folder, plan.ontology, plan.seed)
     for ref in refs:
-        if (task := _known(ref, plan, kept)) is not None:
+        if (task := _known(ref, plan, cache)) is not None:
             done[ref] = task
             tick(task)
     for ref, task in _all([ref for ref in refs if ref not in done], plan, jobs):
@@ -60,53 +58,38 @@ def kinds_of(extra: tuple[str, ...]) -> tuple[Kind, ...]:
 
 
 def _all(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int) -> Iterator[tuple[TaskRef, TaskAudit]]:
-    if jobs <= 1 or len(refs) <= 1:
-        yield from ((ref, _one(ref, plan)) for ref in refs)
-        return
     left = dict.fromkeys(refs)
     try:
-        for ref, task in _pooled(refs, plan, jobs):
+        for ref, task in map_over_processes(partial(_one, plan), refs, jobs):
             del left[ref]
             yield ref, task
-    except BrokenProcessPool:
+    except WorkerDiedError:
         # One task took its process down and the others with it: the rest run alone, and it is known which one it was.
         for ref in left:
             yield ref, _alone(ref, plan)
 
 
-def _pooled(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int) -> Iterator[tuple[TaskRef, TaskAudit]]:
-    # spawn: MuJoCo and Oxigraph hold threads, which a fork would cut in half.
-    with ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn")) as pool:
-        pending = {pool.submit(_one, ref, plan): ref for ref in refs}
-        try:
-            for future in as_completed(pending):
-                yield pending[future], future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
 def _alone(ref: TaskRef, plan: AuditPlan) -> TaskAudit:
     try:
-        ((_, task),) = _pooled([ref], plan, 1)
-    except BrokenProcessPool:
+        ((_, task),) = map_over_processes(partial(_one, plan), [ref], 1, apart=True)
+    except WorkerDiedError:
         fault = Fault("RUN024", "the process that audited this task died")
         return TaskAudit(ref.suite, ref.index, ref.name, ref.initial_states.is_file(), 0, (), (fault,))
     return task
 
 
-def _known(ref: TaskRef, plan: AuditPlan, kept: AuditCache) -> TaskAudit | None:
+def _known(ref: TaskRef, plan: AuditPlan, cache: AuditCache) -> TaskAudit | None:
     """The audit of ``ref`` as far as ``plan`` asks for, where all of it was kept."""
-    known = kept.load(ref)
+    known = cache.load(ref)
     if known is None or len(known.states) < min(plan.states or known.available, known.available):
         return None
     return replace(known, states=known.states[: plan.states])
 
 
-def _one(ref: TaskRef, plan: AuditPlan) -> TaskAudit:
-    kept = AuditCache(plan.folder, plan.ontology, plan.seed)
-    known = kept.load(ref)
+def _one(plan: AuditPlan, ref: TaskRef) -> TaskAudit:
+    cache = AuditCache(plan.folder, plan.ontology, plan.seed)
+    known = cache.load(ref)
     before = known.states if known else ()
     task = audit_task(ref, load_knowledge(*plan.ontology), kinds_of(plan.ontology), plan.states, plan.seed, before)
-    kept.save(ref, task)
+    cache.save(ref, task)
     return task

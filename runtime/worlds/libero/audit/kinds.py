@@ -15,11 +15,11 @@ from onto_compiler.sources import load_store
 
 __all__ = ["Kind", "load_kinds"]
 
-_SYMBOLS = {"M": "m", "M-PER-SEC": "m s⁻¹", "RAD": "rad", "N": "N"}
 _QUERY = """
-SELECT ?kind ?name ?measure ?most ?unit WHERE {
+SELECT ?kind ?name ?measure ?most ?unit ?symbol WHERE {
     ?kind rdfs:subClassOf+ audit:PremiseFailure ; audit:measuredBy ?measure .
-    OPTIONAL { ?kind skos:notation ?name } OPTIONAL { ?kind audit:tolerates ?most } OPTIONAL { ?kind core:unit ?unit }
+    OPTIONAL { ?kind skos:notation ?name } OPTIONAL { ?kind audit:tolerates ?most }
+    OPTIONAL { ?kind core:unit ?unit . OPTIONAL { ?unit qudt:symbol ?symbol } }
 }
 """
 
@@ -50,7 +50,7 @@ def load_kinds(
         raise TypeError("a SELECT query gives solutions")
     found = {}
     for row in rows:
-        iri, name, measure, most, unit = (None if term is None else term.value for term in row)
+        iri, name, measure, most, unit, symbol = (None if term is None else term.value for term in row)
         if iri is None or measure is None:
             continue
         if measure not in measures:
@@ -66,6 +66,6 @@ def load_kinds(
                 f"`{local_name(iri)}` {what} `{most or measure}`",
                 f"only {', '.join(f'`{each}`' for each in sorted(deciding))} go without `audit:tolerates`",
             )
-        symbol = "" if unit is None else _SYMBOLS.get(local_name(unit), local_name(unit))
-        found[iri] = Kind(iri, name or local_name(iri), measure, None if most is None else float(most), symbol)
+        shown = symbol or ("" if unit is None else local_name(unit))
+        found[iri] = Kind(iri, name or local_name(iri), measure, None if most is None else float(most), shown)
     return tuple(sorted(found.values(), key=lambda kind: kind.name))

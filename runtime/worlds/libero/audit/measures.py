@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grounding.observation import Observation
-from onto_compiler.required import Fact, RequiredABox
+from onto_compiler.required import RequiredABox
 from onto_compiler.schema import Schema
-from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.loop.diagnosis import by_distance, evidence_status, unmet
+from runtime.loop.diagnosis import by_distance, satisfied, surplus, unmet
 from runtime.wording import atom, unit_of
 from runtime.worlds.libero.audit.scene_state import SceneState
 
@@ -114,32 +113,22 @@ def _penetration(stage: StateEvidence) -> Iterator[Reading]:
 def _initial_fact(stage: StateEvidence) -> Iterator[Reading]:
     """The signed margin of each declared initial fact, above what its binding requires or tolerates."""
     facts = stage.required.premise
-    for index, status in enumerate(evidence_status(facts, stage.premise)):
-        margin = _signed(facts[index], stage.premise, index) - facts[index].threshold
-        yield Reading(
-            atom(facts[index], stage.schema),
-            margin,
-            STATUSES[status] == SATISFIED,
-            unit_of(facts[index], stage.schema),
-            stage.premise.limit[index],
-            index,
-        )
+    holds, margins = satisfied(facts, stage.premise), surplus(facts, stage.premise)
+    for index, fact in enumerate(facts):
+        unit, limit = unit_of(fact, stage.schema), stage.premise.limit[index]
+        yield Reading(atom(fact, stage.schema), float(margins[index]), bool(holds[index]), unit, limit, index)
 
 
 def _goal(stage: StateEvidence) -> Iterator[Reading]:
     """Minus the smallest margin of the nearest way to the goal: what is lacking for it not to hold already."""
     facts, observation = stage.required.facts, stage.goal
     way = by_distance(stage.required, observation)[0]
-    worst = min(way, key=lambda index: _signed(facts[index], observation, index) - facts[index].threshold)
-    margin = _signed(facts[worst], observation, worst) - facts[worst].threshold
+    margins = surplus(facts, observation)
+    worst = min(way, key=lambda index: float(margins[index]))
     subject = " and ".join(atom(facts[index], stage.schema) for index in way)
-    holds = bool(unmet(stage.required, observation))
-    yield Reading(subject, -margin, holds, unit_of(facts[worst], stage.schema), observation.limit[worst])
-
-
-def _signed(fact: Fact, observation: Observation, index: int) -> float:
-    margin = float(observation.margin[index])
-    return margin if fact.polarity else -margin
+    still_to_do = bool(unmet(stage.required, observation))
+    lacking, unit = -float(margins[worst]), unit_of(facts[worst], stage.schema)
+    yield Reading(subject, lacking, still_to_do, unit, observation.limit[worst])
 
 
 Pose = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from onto_compiler.atomic import replacing
 from onto_compiler.problems import OntoError
 
 __all__ = ["FORMAT", "Audit", "Failure", "Fault", "StateAudit", "TaskAudit", "read_audit", "task_of", "write_audit"]
@@ -100,11 +101,9 @@ class Audit:
 
 def write_audit(path: Path, audit: Audit) -> None:
     """Write ``audit`` to ``path``, whole or not at all; raises ``RUN023`` where that cannot be."""
-    partial = path.with_name(f".{path.name}.partial")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_text(json.dumps(audit.as_dict(), allow_nan=False) + "\n", encoding="utf-8")
-        partial.replace(path)
+        with replacing(path) as partial:
+            partial.write_text(json.dumps(audit.as_dict(), allow_nan=False) + "\n", encoding="utf-8")
     except OSError as error:
         raise OntoError.of("RUN023", f"cannot write `{path}`: {error.strerror}", "choose another --out") from error
 

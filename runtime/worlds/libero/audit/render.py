@@ -6,7 +6,8 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from math import nan
 
-from runtime.wording import amount, counted
+from onto_compiler.wording import counted
+from runtime.wording import amount
 from runtime.worlds.libero.audit.compare import AuditChange
 from runtime.worlds.libero.audit.records import Audit, Failure, TaskAudit
 

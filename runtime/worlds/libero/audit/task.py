@@ -23,10 +23,11 @@ from runtime.worlds.libero.audit.kinds import Kind
 from runtime.worlds.libero.audit.measures import MEASURES, Reading, StateEvidence
 from runtime.worlds.libero.audit.records import Failure, Fault, StateAudit, TaskAudit
 from runtime.worlds.libero.audit.scene_state import SceneReader
-from runtime.worlds.libero.loop.episodes import PREMISE_STEPS, required_of
+from runtime.worlds.libero.loop.environment import PREMISE_STEPS
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.simulation import Simulation
+from runtime.worlds.required import required_of
 
 __all__ = ["TaskAuditor", "audit_task", "plain"]
 
@@ -140,7 +141,7 @@ def audit_task(
 
 def _groundable(index: Scene, facts: Sequence[Fact], schema: Schema) -> tuple[tuple[Fact, ...], tuple[Fault, ...]]:
     """Those of ``facts`` that the scene can show, and what is wrong with the others."""
-    kept: list[Fact] = []
+    groundable: list[Fact] = []
     faults: list[Fault] = []
     for fact in facts:
         try:
@@ -148,8 +149,8 @@ def _groundable(index: Scene, facts: Sequence[Fact], schema: Schema) -> tuple[tu
         except OntoError as error:
             faults += _faults(error)
         else:
-            kept.append(fact)
-    return tuple(kept), tuple(faults)
+            groundable.append(fact)
+    return tuple(groundable), tuple(faults)
 
 
 def _faults(error: OntoError) -> tuple[Fault, ...]:

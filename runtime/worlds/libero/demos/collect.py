@@ -76,7 +76,7 @@ def collect(orders: Sequence[CollectionRequest], jobs: int, tick: Callable[[Coll
     """Carry out ``orders`` in at most ``jobs`` processes; what other processes collect just now is waited for.
 
     ``tick`` is told of each task as it is done. Raises, when all others are done, what tasks could not be collected
-    for: ``SIM013``, ``DEM003``, ``DEM004``, ``DEM006``, ``DEM007``, and as ``onto ground``.
+    for: ``SIM013``, ``DEM003``, ``DEM004``, ``DEM006``, ``CLI007``, and as ``onto ground``.
     """
     h5py()
     done: dict[CollectionRequest, Collected] = {}

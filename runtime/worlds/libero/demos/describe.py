@@ -14,7 +14,7 @@ from typing import Any
 from runtime.worlds.libero.demos.records import IMAGES
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.native import NativeTask
-from runtime.worlds.libero.simulator.native_import import quiet
+from runtime.worlds.native_import import quiet
 
 __all__ = ["SIZE", "describe", "portable"]
 

@@ -9,11 +9,11 @@ import mujoco
 import numpy as np
 
 from onto_compiler.problems import OntoError, near
+from runtime.worlds.fixtures import FixturePoses, poses_in
+from runtime.worlds.fixtures import fixtures_of as fixtures_of_mjcf
 from runtime.worlds.libero.demos.read import load
 from runtime.worlds.libero.demos.records import Demonstration
-from runtime.worlds.libero.simulator.fixtures import FixturePoses, poses_in
-from runtime.worlds.libero.simulator.fixtures import fixtures_of as fixtures_of_mjcf
-from runtime.worlds.libero.simulator.snapshot import check_scene, identity
+from runtime.worlds.snapshot import check_scene, identity
 
 __all__ = ["fixtures_of", "fixtures_of_demo"]
 

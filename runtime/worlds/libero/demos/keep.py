@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from onto_compiler.atomic import replacing
 from onto_compiler.problems import OntoError
 from runtime.worlds.libero.demos.read import load
 from runtime.worlds.libero.demos.records import DemoFile, Demonstration
@@ -81,10 +82,8 @@ class TaskStore:
             write(path, attributes, {"spec": self._spec}, [found])
             return path, "demo_0"
         try:
-            self.parts.mkdir(parents=True, exist_ok=True)
-            partial = path.with_suffix(".json.partial")
-            partial.write_text(json.dumps({"spec": self._spec, "trial": trial, "reason": found}), encoding="utf-8")
-            partial.replace(path.with_suffix(".json"))
+            with replacing(path.with_suffix(".json")) as partial:
+                partial.write_text(json.dumps({"spec": self._spec, "trial": trial, "reason": found}), encoding="utf-8")
         except OSError as error:
             raise _unwritable(path, error) from error
         return found

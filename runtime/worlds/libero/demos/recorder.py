@@ -9,8 +9,9 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from runtime.worlds.libero.simulator.actions import ACTION_SIZE, DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
-from runtime.worlds.libero.simulator.simulation import ACTION_SIZE, DUMMY_ACTION, Simulation
+from runtime.worlds.libero.simulator.simulation import Simulation
 
 __all__ = ["DemoRecorder"]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from runtime.worlds.libero.simulator.snapshot import Snapshot
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["IMAGES", "PROPRIO", "DemoFile", "Demonstration", "Origin"]
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from statistics import median
 from typing import Any
 
-from runtime.wording import counted
+from onto_compiler.wording import counted
 from runtime.worlds.libero.demos.collect import Collected
 from runtime.worlds.libero.demos.records import DemoFile, Demonstration
 from runtime.worlds.libero.demos.replay import DemoReplay
@@ -105,6 +105,6 @@ def _made(demo: Mapping[str, Any]) -> str:
     kinds = Counter(one["kind"] for one in demo["disturbances"])
     words = ", ".join(f"{count} {kind}" if count > 1 else kind for kind, count in kinds.items()) or "undisturbed"
     failed = sum(one["outcome"] != "held" for one in demo["tries"])
-    again = f", {failed} failed {'try' if failed == 1 else 'tries'}" if failed else ""
+    again = f", {counted(failed, 'failed try', 'failed tries')}" if failed else ""
     start = f"state {demo['state_index']}, severity {demo['severity']:.2f}"
     return f", success at {demo['success_step']}; {start}: {words}{again}"

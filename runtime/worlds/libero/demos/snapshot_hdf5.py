@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from runtime.worlds.libero.simulator.snapshot import Snapshot
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["read_start", "write_start"]
 

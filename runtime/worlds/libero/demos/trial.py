@@ -24,14 +24,15 @@ from runtime.worlds.libero.demos.proprioception import OBSERVED, proprioception,
 from runtime.worlds.libero.demos.recorder import DemoRecorder
 from runtime.worlds.libero.demos.records import IMAGES, Demonstration, Origin
 from runtime.worlds.libero.demos.released import Released
-from runtime.worlds.libero.loop.episodes import PREMISE_STEPS, required_of
+from runtime.worlds.libero.loop.environment import PREMISE_STEPS
 from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.scene.observations import Observer
 from runtime.worlds.libero.scene.views import Views
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import compile_scene
-from runtime.worlds.libero.simulator.snapshot import Snapshot
 from runtime.worlds.libero.skills.play import PlayedEpisode, Player
+from runtime.worlds.required import required_of
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["AFTER", "HELD_OUT", "PAST", "TaskCollector"]
 

@@ -7,14 +7,13 @@ robomimic ``utils/dataset.py`` (what is read). Equal demonstrations give equal b
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from onto_compiler.atomic import replacing
 from onto_compiler.problems import OntoError
 from runtime.worlds.libero.demos.hdf5 import h5py
 from runtime.worlds.libero.demos.records import Demonstration
@@ -68,14 +67,8 @@ def merge(
 def _whole(path: Path, fill: Any) -> None:  # noqa: ANN401  a function of an untyped file
     library = h5py()
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".writing-") as scratch:
-            partial = Path(scratch) / path.name
-            with library.File(partial, "w", locking=False) as file:
-                fill(file)
-            with partial.open("rb") as written:
-                os.fsync(written.fileno())
-            partial.replace(path)
+        with replacing(path) as partial, library.File(partial, "w", locking=False) as file:
+            fill(file)
     except OSError as error:
         raise OntoError.of("DEM006", f"cannot be written: {error}", "choose another --out", str(path)) from error
 

@@ -16,16 +16,18 @@ from onto_compiler.bddl.parse import parse_file
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.loop.faults import RunFault
-from runtime.worlds.libero.gym.facts import FactReporter, GoalReport
+from runtime.worlds.facts import FactReporter, GoalReport
 from runtime.worlds.libero.gym.starts import Advance, Start, Starts
 from runtime.worlds.libero.gym.stove_lights import StoveLights
-from runtime.worlds.libero.loop.episodes import PREMISE_STEPS, required_of
+from runtime.worlds.libero.loop.environment import PREMISE_STEPS
 from runtime.worlds.libero.loop.uncertain import Placements, uncertain_row
 from runtime.worlds.libero.scene.horizons import chosen_task, horizon_of
 from runtime.worlds.libero.scene.observations import Observer
 from runtime.worlds.libero.scene.views import CAMERAS, Convention, Views
+from runtime.worlds.libero.simulator.actions import ACTION_SIZE, DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import compile_scene
-from runtime.worlds.libero.simulator.simulation import ACTION_SIZE, DUMMY_ACTION, Simulation
+from runtime.worlds.libero.simulator.simulation import Simulation
+from runtime.worlds.required import required_of
 
 __all__ = ["LiberoEnv"]
 

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError, near
+from runtime.worlds.fixtures import FixturePoses
 from runtime.worlds.libero.demos.fixtures import fixtures_of
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import CompiledScene
-from runtime.worlds.libero.simulator.fixtures import FixturePoses
 from runtime.worlds.libero.simulator.native import NativeTask
 
 __all__ = ["Advance", "Start", "Starts"]

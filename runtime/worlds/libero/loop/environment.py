@@ -2,96 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from typing import Any
 
-import mujoco
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from grounding.observation import Observation
 from grounding.scenes import Scene
-from grounding.sim import SimGrounder
+from onto_compiler.bddl.parse import parse_file
 from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import Schema
-from runtime.loop.faults import RunFault
-from runtime.loop.records import Application, Proposal, Verification
-from runtime.worlds.libero.simulator.native import NativeTask
+from runtime.loop.records import Verification
+from runtime.worlds.environment import StateEnvironment, settling
+from runtime.worlds.fixtures import FixturePoses
+from runtime.worlds.libero.demos.fixtures import fixtures_of
+from runtime.worlds.libero.loop.uncertain import Placements, uncertain_row
+from runtime.worlds.libero.simulator.assets import initial_states
+from runtime.worlds.libero.simulator.native import NativeTask, versions
 from runtime.worlds.libero.simulator.native_import import predicate_names
-from runtime.worlds.libero.simulator.snapshot import Snapshot
+from runtime.worlds.world import TaskRef
 
-__all__ = ["SETTLE_STEPS", "NativeEnvironment"]
+__all__ = ["PREMISE_STEPS", "LiberoEnvironment", "NativeEnvironment"]
 
-SETTLE_STEPS = 20  # control steps of 1/20 s without motion, after which an accepted state is asked again
+PREMISE_STEPS = 10  # official initial states hang above the table: the field settles them by ten steps without motion
 _QUERY = "check_success()"
 _ATOMS = "_eval_predicate() of each atom"  # of a goal with connectives or quantifiers, which LIBERO's check lacks
 
 
-class NativeEnvironment:
+class NativeEnvironment(StateEnvironment):
     """The loop's :class:`~runtime.loop.correction.Environment` over a :class:`NativeTask`; proposals write ``qpos``."""
 
     def __init__(self, task: NativeTask, required: RequiredABox, schema: Schema) -> None:
-        """Resolve the required facts in the task's scene.
-
-        Raises:
-            OntoError: ``SIM001`` ff., where a fact names what the scene lacks.
-        """
+        """Resolve the required facts in the task's scene; raises ``SIM001`` ff. where one names what it lacks."""
+        super().__init__(task, Scene(task.model), required, schema)
         self._task = task
         self._required = required
-        self._scene = Scene(task.model)
-        self._grounder = SimGrounder(self._scene, required.facts, schema)
-        self._premise = SimGrounder(self._scene, required.premise, schema)
-        self._scratch = mujoco.MjData(task.model)
-        self._before: Snapshot | None = None  # the state that the last proposal changed
-
-    @property
-    def scene(self) -> Scene:
-        """The index of the task's model."""
-        return self._scene
-
-    @property
-    def qpos(self) -> NDArray[np.float64]:
-        """A copy of the generalised positions, shape (nq,)."""
-        return np.array(self._task.data.qpos)
-
-    @property
-    def qvel(self) -> NDArray[np.float64]:
-        """A copy of the generalised velocities, shape (nv,)."""
-        return np.array(self._task.data.qvel)
-
-    def observe(self) -> Observation:
-        """The observed ABox of the goal."""
-        return self._grounder.observe(self._task.data)
-
-    def observe_premise(self) -> Observation:
-        """The observed ABox of the task's declared initial facts."""
-        return self._premise.observe(self._task.data)
-
-    def observe_at(self, qpos: NDArray[np.float64]) -> Observation:
-        """The observed ABox of the goal if ``qpos`` were written; the live state stays as it is."""
-        self._scratch.qpos[:] = qpos
-        self._scratch.qvel[:] = 0.0
-        mujoco.mj_forward(self._task.model, self._scratch)
-        return self._grounder.observe(self._scratch)
-
-    def apply(self, proposal: Proposal) -> Application:
-        """Write the proposal's ``qpos`` and nothing else; on a fault the state before is restored.
-
-        Raises:
-            RunFault: where the proposal, or the state that it leads to, is not finite or not of this scene.
-        """
-        before = self._before = self._task.snapshot()
-        start = self.qpos
-        try:
-            self._task.write_qpos(proposal.qpos)
-            sound = np.isfinite(self._task.data.qacc).all() and not self._task.diverged
-            fault = "" if sound else "the written state's accelerations are not finite"
-        except (OntoError, mujoco.FatalError) as error:
-            fault = str(error)
-        if fault:
-            self._task.restore(before)
-            raise RunFault(fault)
-        return Application(proposal, "state", float(np.linalg.norm(proposal.qpos - start)))
 
     @property
     def judged(self) -> bool:
@@ -99,26 +44,9 @@ class NativeEnvironment:
         known = predicate_names()
         return self._task.judged or all(fact.native.predicate.lower() in known for fact in self._required.facts)
 
-    def verify(self) -> Verification:
+    def verify_natively(self) -> Verification:
         """Ask LIBERO; raises ``SIM018`` where it can judge neither the goal nor its atoms."""
         return Verification(_QUERY if self._task.judged else _ATOMS, self._success())
-
-    def settle(self, verification: Verification) -> Verification:
-        """Ask LIBERO again after :data:`SETTLE_STEPS` steps.
-
-        Where it still accepts, the state is afterwards the one that was verified; otherwise the one that it settled to.
-        A state that diverges is given up for the one before the last proposal.
-        """
-        verified = self._task.snapshot()
-        self._task.settle(SETTLE_STEPS)
-        # MuJoCo answers a divergence with the default pose: qpos is finite then, and says nothing of the task.
-        diverged = self._task.diverged
-        settled = not diverged and self._success()
-        if settled:
-            self._task.restore(verified)
-        elif diverged:
-            self._task.restore(self._before or verified)
-        return replace(verification, settled=settled, settle_steps=SETTLE_STEPS)
 
     def _success(self) -> bool:
         """LIBERO's verdict on the goal, or on some alternative, each of whose atoms LIBERO is asked for."""
@@ -127,3 +55,55 @@ class NativeEnvironment:
         facts = self._required.facts
         ways = ([facts[index] for index in way] for way in self._required.ways)
         return any(all(self._task.evaluate(fact.native) is fact.polarity for fact in way) for way in ways)
+
+
+class LiberoEnvironment(NativeEnvironment):
+    """The environment of one task of LIBERO, with its initial states: what :class:`World` opens."""
+
+    def __init__(self, ref: TaskRef, required: RequiredABox, schema: Schema, seed: int) -> None:
+        """Build the scene of ``ref``; raises ``SIM`` problems."""
+        task = NativeTask.open(ref, seed)
+        super().__init__(task, required, schema)
+        self.seed = seed
+        self._ref, self._schema = ref, schema
+        self._placements = Placements(parse_file(ref.bddl), self.scene)
+        self._fixtures: FixturePoses | None = None
+        self._fresh = np.concatenate([[task.data.time], task.data.qpos, task.data.qvel])  # what the seeded reset left
+
+    @property
+    def task(self) -> NativeTask:
+        """LIBERO's own environment."""
+        return self._task
+
+    def start(self, index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
+        """Write the initial state and let it settle. A task without official states has one: its seeded reset."""
+        steps = settling(state, settle, PREMISE_STEPS)
+        self._task.reset_to(self._official(index) if state is None else state, self._fixtures)
+        self._task.settle(steps)
+        if self._task.diverged:
+            raise OntoError.of("SIM019", f"the simulation of `{self._ref.name}` diverged while its state settled")
+        return steps
+
+    def place(self, model: str) -> None:
+        """Stand the fixtures as MJCF or a demonstration has them; raises as :func:`fixtures_of`."""
+        self._fixtures = fixtures_of(model, self._task.model)
+
+    def uncertain(self) -> tuple[dict[str, Any], ...]:
+        """The required facts whose margin is within the rectangles that fixtures are drawn from."""
+        found = self._placements.uncertain(self._required.facts, self.observe(), self._task.data)
+        return tuple(uncertain_row(each, self._schema) for each in found)
+
+    def versions(self) -> dict[str, str]:
+        """Versions of what decides a physical result."""
+        return versions()
+
+    def close(self) -> None:
+        """Free the scene."""
+        self._task.close()
+
+    def _official(self, index: int) -> NDArray[np.float64]:
+        states = initial_states(self._ref) if self._ref.initial_states.is_file() else self._fresh[None]
+        if not 0 <= index < len(states):
+            message = f"`{self._ref.name}` has no initial state {index}"
+            raise OntoError.of("SIM017", message, f"it has {len(states)}, from 0")
+        return np.array(states[index])

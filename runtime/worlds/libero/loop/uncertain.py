@@ -16,9 +16,9 @@ from onto_compiler.bddl.ast import TaskSpec
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema
 from runtime.wording import atom, unit_of
-from runtime.worlds.libero.simulator.fixtures import Freedom, freedoms
+from runtime.worlds.fixtures import Freedom, freedoms
 
-__all__ = ["Placements", "Uncertain", "uncertain_line", "uncertain_row"]
+__all__ = ["Placements", "Uncertain", "uncertain_row"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,14 +44,6 @@ def uncertain_row(each: Uncertain, schema: Schema) -> dict[str, Any]:
         "fixtures": list(each.fixtures),
         "reach": each.reach,
     }
-
-
-def uncertain_line(row: Mapping[str, Any]) -> str:
-    """The same for people."""
-    return (
-        f"uncertain: {row['fact']} hangs on where {' and '.join(row['fixtures'])} stood, which the state does not say; "
-        f"seed 0 is assumed, and another placement is up to {row['reach'] * 1000:.0f} mm away"
-    )
 
 
 class Placements:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from runtime.loop.diagnosis import satisfied
 from runtime.loop.records import Proposal
 
 if TYPE_CHECKING:
@@ -15,11 +16,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from grounding.observation import Observation
-    from onto_compiler.required import Fact
     from runtime.loop.proposer import Request
 
-__all__ = ["Candidate", "holds", "offer", "ranked"]
+__all__ = ["Candidate", "offer", "ranked"]
 
 _SAME_DECIMALS = 6  # states that agree so far are one candidate
 
@@ -37,14 +36,6 @@ class Candidate:
     rank: float = 0.0  # among candidates with as many flaws, the smaller the sooner
 
 
-def holds(observation: Observation, index: int, fact: Fact) -> bool:
-    """Whether ``fact``, number ``index``, is satisfied: its polarity, and its threshold where there is a margin."""
-    if not observation.observed[index] or bool(observation.truth[index]) != fact.polarity:
-        return False
-    margin = float(observation.margin[index])
-    return not fact.threshold or np.isnan(margin) or margin >= fact.threshold
-
-
 def ranked(request: Request, batches: Iterable[Sequence[Candidate]]) -> Iterator[Candidate]:
     """Candidates that the grounder finds to satisfy the diagnosed fact, best first.
 
@@ -52,8 +43,9 @@ def ranked(request: Request, batches: Iterable[Sequence[Candidate]]) -> Iterator
     until the batches end. What does not satisfy the fact is dropped.
     """
     facts = request.required.facts
-    before = request.observe(request.qpos)
-    kept = [i for i, fact in enumerate(facts) if i != request.diagnosis.index and holds(before, i, fact)]
+    wanted = request.diagnosis.index
+    to_keep = satisfied(facts, request.observe(request.qpos))
+    to_keep[wanted] = False
     waiting: list[tuple[int, int, float, int, Candidate]] = []
     count = itertools.count()
     known: set[bytes] = set()
@@ -64,10 +56,10 @@ def ranked(request: Request, batches: Iterable[Sequence[Candidate]]) -> Iterator
             if state in known:
                 continue
             known.add(state)
-            seen = request.observe(candidate.qpos)
-            if not holds(seen, request.diagnosis.index, request.diagnosis.fact):
+            holds = satisfied(facts, request.observe(candidate.qpos))
+            if not holds[wanted]:
                 continue
-            lost = sum(not holds(seen, i, facts[i]) for i in kept)
+            lost = int(np.count_nonzero(to_keep & ~holds))
             entry = (lost, candidate.flaws, candidate.rank, next(count), candidate)
             (waiting if lost or candidate.flaws else ready).append(entry)
         yield from (entry[-1] for entry in sorted(ready, key=lambda e: e[:-1]))

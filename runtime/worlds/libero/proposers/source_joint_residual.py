@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from runtime.loop.diagnosis import satisfied, surplus
 from runtime.worlds.libero.proposers.candidates import Candidate, offer, ranked
 from runtime.worlds.libero.proposers.clearance import Clearance
 from runtime.worlds.libero.proposers.joints import SINK_M, moved
@@ -89,11 +90,10 @@ def compass(value: Callable[[Array], float], step: Array, evaluations: int = _EV
 
 
 def _score(request: Request, qpos: Array) -> float:
-    """The signed margin of the diagnosed fact, positive when it holds; +-1 where no margin is defined."""
-    seen, index = request.observe(qpos), request.diagnosis.index
-    margin, truth = float(seen.margin[index]), bool(seen.truth[index])
-    sign = 1.0 if request.diagnosis.fact.polarity else -1.0
-    return sign * (margin if np.isfinite(margin) else 1.0 if truth else -1.0)
+    """By how much the diagnosed fact's margin exceeds what is required; +-1 where no margin is defined."""
+    facts, seen, index = request.required.facts, request.observe(qpos), request.diagnosis.index
+    margin = float(surplus(facts, seen)[index])
+    return margin if np.isfinite(margin) else 1.0 if satisfied(facts, seen)[index] else -1.0
 
 
 def _shortfall(request: Request, unknown: float) -> float:

@@ -15,7 +15,10 @@ __all__ = ["PlacementTarget", "place_of", "slot_of", "threshold_of"]
 
 @dataclass(frozen=True, slots=True)
 class PlacementTarget:
-    """Where an object has to come or must not be: at a site (``parent`` has it, None for a table) or on an entity."""
+    """Where an object has to come or must not be: at a site, or on an entity.
+
+    ``parent`` carries the site; None for a table, and where nothing of it can be touched.
+    """
 
     subject: str
     site: str | None
@@ -32,8 +35,10 @@ def place_of(scene: Scene, fact: Fact) -> PlacementTarget | None:
         return None
     contains = fact.native.predicate.casefold() == "in"
     if scene.is_site(names[1]):
-        return PlacementTarget(names[0], names[1], scene.site_parent(names[1]), contains)
-    if names[1] in scene.entities and names[1] != names[0]:
+        parent = scene.site_parent(names[1])
+        solid = parent is not None and len(scene.contact_geoms(parent)) > 0
+        return PlacementTarget(names[0], names[1], parent if solid else None, contains)
+    if names[1] in scene.entities and names[1] != names[0] and len(scene.contact_geoms(names[1])) > 0:
         return PlacementTarget(names[0], None, names[1], contains)
     return None
 

@@ -11,7 +11,6 @@ import ast
 import importlib.util
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -19,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError, near
+from runtime.worlds import world
 from runtime.worlds.libero.simulator.state_files import load_states
+from runtime.worlds.world import TaskRef
 
 __all__ = [
     "TaskRef",
@@ -36,20 +37,6 @@ __all__ = [
 
 TASK_MAP = "benchmark/libero_suite_task_map.py"
 STATE_SUFFIXES = (".pruned_init.npz", ".pruned_init")
-
-
-@dataclass(frozen=True, slots=True)
-class TaskRef:
-    """One task of a suite: ``index`` counts from 0 in the benchmark's official order.
-
-    ``bddl`` exists. ``initial_states`` is where the official initial states belong; some perturbed suites ship none.
-    """
-
-    suite: str
-    index: int
-    name: str
-    bddl: Path
-    initial_states: Path
 
 
 @cache
@@ -86,35 +73,16 @@ def tasks(suite: str) -> tuple[TaskRef, ...]:
 
 def find_task(suite: str, task: int | str) -> TaskRef:
     """The task of ``suite`` with that index or name; raises ``SIM011`` or ``SIM012``."""
-    known = tasks(suite)
-    for ref in known:
-        if task in (ref.index, ref.name):
-            return ref
-    hint = near(task, [r.name for r in known]) if isinstance(task, str) else f"it has {len(known)} tasks, from 0"
-    raise OntoError.of("SIM012", f"suite `{suite}` has no task `{task}`", hint)
+    return world.find_task(suite, tasks(suite), task)
 
 
 def named_task(text: str) -> TaskRef:
-    """The task that ``text`` names: ``SUITE/INDEX``, ``SUITE/NAME`` or the path of a task file.
+    """The task of LIBERO that ``text`` names: ``SUITE/INDEX``, ``SUITE/NAME`` or the path of a task file.
 
     Raises:
         OntoError: ``CLI004`` for a text of neither form, ``SIM010`` to ``SIM012`` for what the installed LIBERO lacks.
     """
-    path = Path(text)
-    if path.suffix == ".bddl":
-        # Only official tasks have official initial states; any other starts from a seeded reset.
-        return TaskRef("", 0, path.stem, path, Path())
-    suite, slash, name = text.partition("/")
-    if not slash or not name or path.parent.suffix == ".bddl":
-        raise OntoError.of("CLI004", f"`{text}` names no task", _how_to_name(suite))
-    return find_task(suite, int(name) if name.isdigit() else name)
-
-
-def _how_to_name(suite: str) -> str:
-    known = suites()
-    if suite in known:
-        return f"`{suite}` is a suite of {len(tasks(suite))} tasks: write {suite}/0 for the first"
-    return near(suite, known) or "write SUITE/INDEX, such as libero_goal/8, or the path of a task file"
+    return world.task_named(text, suites, tasks)
 
 
 def initial_states(ref: TaskRef) -> NDArray[np.float64]:

@@ -23,11 +23,11 @@ from grounding.scenes import Scene
 from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
+from runtime.worlds.fixtures import FixturePoses
 from runtime.worlds.libero.simulator.assets import configured_assets, package_root
-from runtime.worlds.libero.simulator.fixtures import FixturePoses
 from runtime.worlds.libero.simulator.own_code import own_files
 from runtime.worlds.libero.simulator.scene_cache import SceneCache, SceneRecord, key_of, stamp
-from runtime.worlds.libero.simulator.snapshot import Snapshot, identity
+from runtime.worlds.snapshot import Snapshot, identity
 
 __all__ = ["ArmIndex", "CompiledScene", "compile_scene"]
 

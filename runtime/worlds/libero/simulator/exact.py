@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.worlds.libero.simulator.compiled import CompiledScene
-from runtime.worlds.libero.simulator.native_import import control_env, quiet
-from runtime.worlds.libero.simulator.snapshot import give_back, held_by
+from runtime.worlds.libero.simulator.native_import import control_env
 from runtime.worlds.libero.simulator.touch import GRIPPER_SPEED, sides
+from runtime.worlds.native_import import quiet
+from runtime.worlds.snapshot import give_back, held_by
 
 __all__ = ["ExactStepper"]
 

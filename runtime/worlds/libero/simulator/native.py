@@ -15,16 +15,17 @@ from numpy.typing import ArrayLike
 
 from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
-from runtime.worlds.libero.simulator import snapshot
+from runtime.worlds import snapshot
+from runtime.worlds.fixtures import FixturePoses, poses_in
+from runtime.worlds.flat_state import FlatStates, write_qpos
+from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.build_fault import build_fault
-from runtime.worlds.libero.simulator.fixtures import FixturePoses, poses_in
-from runtime.worlds.libero.simulator.flat_state import FlatStates
-from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, quiet, randomization_error
-from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION
-from runtime.worlds.libero.simulator.snapshot import BAD_NUMBERS, Snapshot
+from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, randomization_error
+from runtime.worlds.native_import import quiet
+from runtime.worlds.snapshot import BAD_NUMBERS, Snapshot
 
-__all__ = ["DUMMY_ACTION", "NativeTask", "versions"]
+__all__ = ["NativeTask", "versions"]
 
 PLACEMENTS = 10
 """Samples of a crowded scene that are tried before it counts as impossible."""
@@ -188,7 +189,7 @@ class NativeTask:
             raise OntoError.of(
                 "SIM018",
                 f"LIBERO has no predicate {names}, so that nothing native can judge this goal",
-                f"`onto diagnose` needs no judge; LIBERO judges {', '.join(predicate_names())}",
+                "let grounding judge it (`onto repair --judge grounding`), or lift one of LIBERO's predicates",
                 str(self.bddl),
             )
         return bool(self._control.check_success())
@@ -219,21 +220,7 @@ class NativeTask:
         ``still`` zeroes the velocity of the joints that it changes. Raises ``SIM004`` or ``SIM003`` as
         :meth:`reset_to`.
         """
-        new = np.array(qpos, dtype=np.float64).ravel()
-        model, data = self.model, self.data
-        if new.size != model.nq:
-            raise OntoError.of(
-                "SIM004", f"qpos has {new.size} numbers, the scene of `{self.bddl.stem}` needs {model.nq}"
-            )
-        if not np.isfinite(new).all():
-            raise OntoError.of("SIM003", f"qpos is not finite at {int(np.argmin(np.isfinite(new)))}")
-        if still:
-            changed = np.flatnonzero(new != data.qpos)
-            for joint in np.unique(np.searchsorted(model.jnt_qposadr, changed, side="right") - 1):
-                stop = model.jnt_dofadr[joint + 1] if joint + 1 < model.njnt else model.nv
-                data.qvel[model.jnt_dofadr[joint] : stop] = 0.0
-        data.qpos[:] = new
-        mujoco.mj_forward(model, data)
+        write_qpos(self.model, self.data, qpos, self.bddl.stem, still=still)
 
     def snapshot(self) -> Snapshot:
         """All that decides what happens next, hidden state included."""

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError, near
-from runtime.worlds.libero.simulator.pictures import ADVICE, backend
+from runtime.worlds.pictures import ADVICE, backend
 
 __all__ = ["Offscreen"]
 

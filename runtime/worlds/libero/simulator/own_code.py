@@ -18,7 +18,8 @@ from pathlib import Path
 from types import ModuleType
 
 from onto_compiler.problems import OntoError, Problem, near
-from runtime.worlds.libero.simulator.native_import import control_env, quiet
+from runtime.worlds.libero.simulator.native_import import control_env
+from runtime.worlds.native_import import quiet
 
 __all__ = ["import_own", "own_files", "place_of"]
 

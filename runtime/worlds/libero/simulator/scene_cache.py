@@ -22,6 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from onto_compiler.atomic import replacing
+
 __all__ = ["SceneCache", "SceneRecord", "key_of", "stamp"]
 
 _LOG = logging.getLogger("onto_evwm.scenes")
@@ -91,12 +93,10 @@ class SceneCache:
                 digest = _digest(model)
                 kept = _model(self.folder, digest)
                 _made(kept.parent)
-                model.replace(kept)
-                values = {**record.values, "model": digest, "assets": record.assets}
-                partial = Path(scratch) / "record.npz"
+                model.replace(kept)  # not `replacing`: its name follows from what was written
+            values = {**record.values, "model": digest, "assets": record.assets}
+            with replacing(_record(self.folder, key)) as partial:
                 np.savez_compressed(partial, **{_RECORD: np.array(json.dumps(values))}, **record.arrays)  # type: ignore[arg-type]
-                _made(_record(self.folder, key).parent)
-                partial.replace(_record(self.folder, key))
         except OSError as error:
             _LOG.warning("the scene cannot be kept in %s: %s", self.folder, error)
 

@@ -12,17 +12,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from onto_compiler.problems import OntoError
+from onto_compiler.wording import counted
 from runtime.loop.faults import RunFault
+from runtime.worlds.fixtures import FixturePoses
+from runtime.worlds.flat_state import FlatStates
+from runtime.worlds.libero.simulator.actions import ACTION_SIZE, DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
-from runtime.worlds.libero.simulator.fixtures import FixturePoses
-from runtime.worlds.libero.simulator.flat_state import FlatStates
-from runtime.worlds.libero.simulator.snapshot import BAD_NUMBERS, FULL, Snapshot, check_scene
+from runtime.worlds.snapshot import BAD_NUMBERS, FULL, Snapshot, check_scene
 
-__all__ = ["DUMMY_ACTION", "Simulation", "Stepper"]
+__all__ = ["Simulation", "Stepper"]
 
-DUMMY_ACTION = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)  # no motion, gripper open
-"""The action with which LIBERO's evaluations let a scene settle."""
-ACTION_SIZE = 7
 _LOG = logging.getLogger("onto_evwm.mujoco")
 
 
@@ -208,7 +207,7 @@ def _checked(action: ArrayLike) -> NDArray[np.float64]:
         what = f"an action that is no array of numbers: {error}"
     else:
         if given.size != ACTION_SIZE:
-            what = f"an action of {given.size} number{'' if given.size == 1 else 's'}"
+            what = f"an action of {counted(given.size, 'number')}"
         elif not np.isfinite(given).all():
             what = f"an action of the numbers {given.tolist()}"
     if what:

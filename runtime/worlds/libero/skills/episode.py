@@ -19,20 +19,21 @@ from onto_compiler.knowledge import Knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import local_name
-from onto_compiler.tables import FIRST, REPEAT, SATISFIED, STATUSES
-from runtime.loop.diagnosis import diagnose_goal, evidence_status, unmet
+from onto_compiler.tables import FIRST, REPEAT
+from runtime.loop.diagnosis import diagnose_goal, satisfied, unmet
 from runtime.loop.faults import RunFault
 from runtime.loop.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
 from runtime.loop.routing import route_or_none
-from runtime.worlds.libero.loop.episodes import settling
+from runtime.worlds.environment import settling
+from runtime.worlds.libero.loop.environment import PREMISE_STEPS
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import CompiledScene
 from runtime.worlds.libero.simulator.native import versions
 from runtime.worlds.libero.simulator.simulation import Simulation
-from runtime.worlds.libero.simulator.snapshot import Snapshot
 from runtime.worlds.libero.skills.order import GoalStep, diagnose_step
 from runtime.worlds.libero.skills.play import PlayedEpisode, SkillAttempt
 from runtime.worlds.libero.skills.replay import NativeReplay
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["EpisodePlayer", "EpisodeRecord", "Plays"]
 
@@ -117,7 +118,7 @@ class EpisodePlayer:
         """
         sim = _Watched(self.scene, exact=True)
         sim.reset_to(self._official(sim, state_index) if state is None else state)
-        steps = settling(state, settle)
+        steps = settling(state, settle, PREMISE_STEPS)
         try:
             sim.settle(steps)
         except RunFault as fault:
@@ -136,7 +137,7 @@ class EpisodePlayer:
             "rehearsed_steps": played.rehearsed,
             "start_settle_steps": steps,
         }
-        unmet_premise = evidence_status(self.required.premise, take.premise) != STATUSES.index(SATISFIED)
+        unmet_premise = ~satisfied(self.required.premise, take.premise)
         outcome, verification = take.end()
         episode = Episode(
             task=self.ref.name,
@@ -263,11 +264,11 @@ class _NativeRun:
         """What is unmet of the preconditions."""
         required, knowledge = self.stage.required, self.stage.knowledge
         seen = self.stage.replay.observe_conditions()
-        status = evidence_status([each.fact for each in required.preconditions], seen)
+        holds = satisfied([each.fact for each in required.preconditions], seen)
         return [
             diagnose_step(GoalStep(each.fact, index, precondition=True), required, observation, seen, knowledge)
             for index, each in enumerate(required.preconditions)
-            if status[index] != STATUSES.index(SATISFIED)
+            if not holds[index]
         ]
 
     def _routed(self, selected: Diagnosis, taken: str | None = None) -> RouteDecision | None:

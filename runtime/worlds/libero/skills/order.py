@@ -10,7 +10,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 
 from grounding.observation import Observation
-from onto_compiler.conflicts import exclude
+from onto_compiler.conflicts import entails, exclude
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.required import Fact, RequiredABox
@@ -119,22 +119,60 @@ class _Play:
         if not unmet:
             return None
         pending = self._pending(unmet)
-        free = [index for index in unmet if not self._waits(index, pending)]
+        free = sorted((index for index in unmet if not self._waits(index, pending)), key=self._rank)
         if not free:
             raise self._no_order([self.required.facts[index] for index in unmet])
-        index = min(free, key=lambda each: (self._priority(self.required.facts[each], self.facts[each]), each))
+        best = [index for index in free if not self._comes_later(self.required.facts[index], unmet)] or free
+        found = [self._first(index, free, frozenset()) for index in best]
+        return next((key for key in found if not self._comes_later(self._fact(key), unmet)), found[0])
+
+    def _first(self, index: int, free: Sequence[int], above: frozenset[int]) -> Key:
+        """What comes first on the way to a required fact: itself, or what brings about its first unmet precondition.
+
+        That is another required fact where one does, which would be brought about anyway.
+        """
+        fact = self.required.facts[index]
+        also = (
+            other
+            for other, each in enumerate(self.required.facts)
+            if self.facts[other] != _SATISFIED and entails(fact, each, self.knowledge.schema)
+        )
+        needing = {index, *also}
         before = [
             place
             for place, each in enumerate(self.required.preconditions)
-            if index in each.before and self.conditions[place] != _SATISFIED
+            if needing & {*each.before} and self.conditions[place] != _SATISFIED
         ]
         if not before:
             return False, index
-        ordered = [self.required.preconditions[place].fact for place in before]
-        return True, min(
-            zip(before, ordered, strict=True),
-            key=lambda each: (self._priority(each[1], self.conditions[each[0]]), each[0]),
-        )[0]
+        place = min(before, key=lambda each: (self._priority(self._fact((True, each)), self.conditions[each]), each))
+        above |= {index}
+        for other in free:
+            if other not in above and entails(
+                self.required.facts[other], self._fact((True, place)), self.knowledge.schema
+            ):
+                return self._first(other, free, above)
+        return True, place
+
+    def _comes_later(self, fact: Fact, unmet: Sequence[int]) -> bool:
+        """Whether an unmet fact, once it is brought about, satisfies this one or undoes it."""
+        others = (self.required.facts[index] for index in unmet)
+        return any(
+            entails(each, fact, self.knowledge.schema) or self._undoes(each, fact)
+            for each in others
+            if each is not fact
+        )
+
+    def _undoes(self, one: Fact, other: Fact) -> bool:
+        return any(exclude(effect, other, self.knowledge.schema) for effect in self._effects(one))
+
+    def _effects(self, fact: Fact) -> list[Fact]:
+        """The fact, and those of the task that it satisfies when it is brought about."""
+        known = (*self.required.facts, *(each.fact for each in self.required.preconditions))
+        return [fact, *(each for each in known if entails(fact, each, self.knowledge.schema))]
+
+    def _rank(self, index: int) -> tuple[int, int]:
+        return self._priority(self.required.facts[index], self.facts[index]), index
 
     def _pending(self, unmet: Sequence[int]) -> set[int]:
         """What has to be brought about yet: the unmet facts, and what holds and has to be undone for one of them."""
@@ -155,14 +193,13 @@ class _Play:
     def _take(self, key: Key) -> None:
         fact = self._fact(key)
         self.done.append(GoalStep(fact, key[1], key[0]))
-        for statuses, others in (
-            (self.facts, list(self.required.facts)),
-            (self.conditions, [each.fact for each in self.required.preconditions]),
-        ):
+        schema, conditions = self.knowledge.schema, [each.fact for each in self.required.preconditions]
+        effects = self._effects(fact)
+        for statuses, others in ((self.facts, self.required.facts), (self.conditions, conditions)):
             for place, other in enumerate(others):
-                if _same(fact, other):
+                if entails(fact, other, schema):
                     statuses[place] = _SATISFIED
-                elif exclude(fact, other, self.knowledge.schema):
+                elif any(exclude(effect, other, schema) for effect in effects):
                     statuses[place] = _FALSE
 
     def _fact(self, key: Key) -> Fact:
@@ -184,8 +221,3 @@ class _Play:
 
 def _named(facts: Sequence[Fact]) -> str:
     return " and ".join(f"`{'' if fact.polarity else 'not '}{fact.native}`" for fact in facts)
-
-
-def _same(one: Fact, other: Fact) -> bool:
-    """Whether two facts say the same, wherever they are written and however much of it they ask for."""
-    return (one.predicate, one.arguments, one.polarity) == (other.predicate, other.arguments, other.polarity)

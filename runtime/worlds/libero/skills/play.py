@@ -16,17 +16,19 @@ from numpy.typing import NDArray
 
 from grounding.observation import Observation
 from grounding.sim import SimGrounder
+from onto_compiler.conflicts import entails, exclude
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.tables import FIRST, REPEAT
-from runtime.loop.diagnosis import unmet
+from runtime.loop.diagnosis import satisfied, unmet
 from runtime.loop.faults import RunFault
 from runtime.loop.records import RouteDecision
 from runtime.loop.routing import route_or_none
 from runtime.worlds.libero.scene.targets import slot_of
+from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
-from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION, Simulation
+from runtime.worlds.libero.simulator.simulation import Simulation
 from runtime.worlds.libero.skills.fault import SkillFault
 from runtime.worlds.libero.skills.frames import Pose
 from runtime.worlds.libero.skills.motion import OPEN, Action, grip, reach
@@ -43,6 +45,7 @@ Array = NDArray[np.float64]
 CANDIDATES = 6  # that look-ahead tries for one decision
 PAUSE = 3  # steps without motion after a skill, in which what was let go comes to rest
 RECOVERY = 0.10  # metres that the hand rises after a failure
+UNCHANGED = 1e-3  # metres and radians
 _OVER = "horizon"
 
 
@@ -82,6 +85,18 @@ class _HorizonReached(Exception):  # noqa: N818 - the end of an episode, not an 
     pass
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Tried:
+    """A grasp that was tried, and where everything but the robot then was."""
+
+    pose: Pose
+    scene: Array
+
+    def again(self, scene: Array) -> bool:
+        """Whether it would be tried in the same scene again."""
+        return bool(np.allclose(self.scene, scene, rtol=0.0, atol=UNCHANGED))
+
+
 @dataclass(slots=True)
 class _Episode:
     """A running episode: the simulation, the actions so far and the grasps that were tried, by fact."""
@@ -92,8 +107,14 @@ class _Episode:
     horizon: int
     actions: list[Action] = field(default_factory=list)
     tries: list[SkillAttempt] = field(default_factory=list)
-    tried: dict[str, list[Pose]] = field(default_factory=dict)
+    tried: dict[str, list[_Tried]] = field(default_factory=dict)
     rehearsed: int = 0
+
+    def scene(self) -> Array:
+        """The generalised positions of everything but the robot."""
+        index, model, data = self.world.index, self.sim.model, self.sim.data
+        joints = np.flatnonzero(~self.world.shapes.robot[model.jnt_bodyid])
+        return np.concatenate([np.empty(0), *(data.qpos[index.qpos_slice(int(joint))] for joint in joints)])
 
     def drive(self, motion: Generator[Action, None, object]) -> None:
         """Carry out ``motion``; raises :class:`_HorizonReached`, and what the motion raises."""
@@ -162,15 +183,19 @@ class Player:
             skill = self.skills.get(local_name(decision.route)) if decision else None
             if decision is None or skill is None:
                 continue
-            tried = episode.tried.setdefault(str(step.fact), [])
-            for _ in range(2 if tried else 1):
-                request = self._request(episode.world, episode.reach, step, tuple(tried))
+            tried, scene = episode.tried.setdefault(str(step.fact), []), episode.scene()
+            for _ in range(2):
+                poses = tuple(each.pose for each in tried)
+                request = self._request(episode.world, episode.reach, step, poses)
                 plan = self._choose(episode, step, skill.candidates(request), candidates)
                 if plan is not None:
-                    tried += plan.poses
+                    tried += [_Tried(pose, scene) for pose in plan.poses]
                     self._record(episode, step, decision, plan)
                     return True
-                tried.clear()  # the world has changed since: what failed before may do now
+                same = [each for each in tried if each.again(scene)]
+                if len(same) == len(tried):
+                    break
+                tried[:] = same  # the scene has changed since: what failed before may do now
         return False
 
     def _record(self, episode: _Episode, step: GoalStep, decision: RouteDecision, plan: SkillPlan) -> None:
@@ -213,7 +238,11 @@ class Player:
 
     def _true(self, sim: Simulation, step: GoalStep) -> bool:
         grounder = self.conditions if step.precondition else self.grounder
-        return bool(grounder.truth(sim.data)[step.index]) == step.fact.polarity
+        return bool(self._satisfied(grounder, sim.data)[step.index])
+
+    def _satisfied(self, grounder: SimGrounder, data: mujoco.MjData) -> NDArray[np.bool_]:
+        """Which of the facts of a grounder hold in a state."""
+        return satisfied(grounder.facts, grounder.observe(data))
 
     def _rehearse(
         self, episode: _Episode, step: GoalStep, found: Iterator[SkillPlan], candidates: int
@@ -228,7 +257,7 @@ class Player:
         for plan in islice(found, candidates):
             fork.restore(start)
             trial = self._fork_of(episode, fork)
-            trial.tried[str(step.fact)] += plan.poses
+            trial.tried[str(step.fact)] += [_Tried(pose, trial.scene()) for pose in plan.poses]
             try:
                 self._carry_out(trial, plan, step)
                 while len(trial.actions) < trial.horizon and self._act(trial, 1):
@@ -247,19 +276,30 @@ class Player:
     def _fork_of(self, episode: _Episode, fork: Simulation) -> _Episode:
         trial = self._begin(fork, episode.horizon - len(episode.actions))
         trial.tries = list(episode.tries)
-        trial.tried = {fact: list(poses) for fact, poses in episode.tried.items()}
+        trial.tried = {fact: list(tried) for fact, tried in episode.tried.items()}
         return trial
 
     def _request(self, world: World, reach_: Reach, step: GoalStep, tried: Sequence[Pose]) -> SkillRequest:
         sharing = slot_of(self.required, step.fact)[1]
-        holds = None if step.precondition else self._holds(world, step.index)
-        return SkillRequest(world, reach_, step.fact, self.knowledge.schema, holds, tried, sharing)
+        holds = self._holds(world, step)
+        return SkillRequest(world, reach_, step.fact, self.knowledge.schema, holds, tried, sharing, self._regions())
 
-    def _holds(self, world: World, index: int) -> Callable[[Pose], bool]:
-        """Whether the fact would be true with its first argument at a pose, everything else as it is."""
-        fact: Fact = self.required.facts[index]
+    def _regions(self) -> tuple[str, ...]:
+        """The regions of the table or floor that the goal speaks of."""
+        index, facts = self.scene.index, self.required.facts
+        names = dict.fromkeys(name for fact in facts for name in fact.native.arguments if index.is_site(name))
+        return tuple(name for name in names if index.site_parent(name) is None)
+
+    def _holds(self, world: World, step: GoalStep) -> Callable[[Pose], bool]:
+        """Whether the fact would be true with its first argument at a pose, everything else as it is.
+
+        What is only to be taken away must not undo anything there: it can stand elsewhere.
+        """
+        fact = step.fact
         name = fact.native.arguments[0]
         joint = self.scene.index.free_joint(name) if name in self.scene.index.entities else None
+        alone = SimGrounder(self.scene.index, [fact], self.knowledge.schema)
+        kept = () if fact.polarity else self._kept(world, fact)
 
         def holds(pose: Pose) -> bool:
             if joint is None:
@@ -270,6 +310,19 @@ class Player:
             data.qpos[self.scene.index.qpos_slice(joint)] = np.concatenate([pose.position, quat])
             data.qvel[:] = 0.0
             mujoco.mj_fwdPosition(self.scene.model, data)
-            return bool(self.grounder.truth(data)[index])
+            if fact.polarity != alone.truth(data)[0]:
+                return False
+            if fact.threshold and not self._satisfied(alone, data)[0]:
+                return False
+            return all((held <= self._satisfied(grounder, data)).all() for grounder, held in kept)
 
         return holds
+
+    def _kept(self, world: World, fact: Fact) -> tuple[tuple[SimGrounder, NDArray[np.bool_]], ...]:
+        """Which facts of the goal and of its preconditions hold, and can hold yet when ``fact`` does."""
+        schema = self.knowledge.schema
+        kept = []
+        for grounder in (self.grounder, self.conditions):
+            ended = [exclude(fact, each, schema) or entails(each, fact, schema) for each in grounder.facts]
+            kept.append((grounder, self._satisfied(grounder, world.data) & ~np.array(ended, dtype=np.bool_)))
+        return tuple(kept)

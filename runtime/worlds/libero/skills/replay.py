@@ -16,7 +16,7 @@ from runtime.loop.faults import RunFault
 from runtime.loop.records import Verification
 from runtime.worlds.libero.loop.environment import NativeEnvironment
 from runtime.worlds.libero.simulator.native import NativeTask
-from runtime.worlds.libero.simulator.snapshot import Snapshot
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["NativeReplay"]
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from runtime.worlds.libero.scene.geometry import align_yaw
 from runtime.worlds.libero.scene.targets import PlacementTarget
+from runtime.worlds.libero.skills.aside import free_spots
 from runtime.worlds.libero.skills.frames import Pose, axis_angle, nearest_twin, wrapped
 from runtime.worlds.libero.skills.grasping import Grasp, Search
 from runtime.worlds.libero.skills.motion import Action
@@ -21,7 +22,7 @@ from runtime.worlds.libero.skills.press import inward, leans, press
 from runtime.worlds.libero.skills.reach import Reach, Reached
 from runtime.worlds.libero.skills.world import World
 
-__all__ = ["Transfer", "reachable", "transfer", "transfers"]
+__all__ = ["Transfer", "leaving", "reachable", "transfer", "transfers"]
 
 Array = NDArray[np.float64]
 T = TypeVar("T")
@@ -75,15 +76,45 @@ def transfers(
     Upright grasps come before tilted ones, and the object's present rotation before others about the vertical.
     ``holds`` says whether the required fact is true with the object at a pose; ``sharing`` objects go to the place.
     """
-    entity = place_.subject
-    body = world.pose(entity)
     targets = [
         found
         for turns in _turns(world, place_)
         if (found := _spread(chain.from_iterable(spots(world, place_, turn, holds, sharing) for turn in turns)))
     ]
     enclosed = all(spot.entry[2] < 0.5 for found in targets for spot in found)
-    for search in (LYING,) if enclosed else (None, TILTED):
+    yield from _paired(world, reach, place_, targets, tried, (LYING,) if enclosed else (None, TILTED))
+
+
+def leaving(
+    world: World,
+    reach: Reach,
+    place_: PlacementTarget,
+    holds: Callable[[Pose], bool],
+    tried: Sequence[Pose] = (),
+    avoid: Sequence[str] = (),
+) -> Iterator[Transfer]:
+    """What the arm can do to take ``place_.subject`` from its place to a free one, the nearest first.
+
+    As :func:`transfers`; ``avoid`` are regions to be kept free.
+    """
+    found = _spread(free_spots(world, place_.subject, holds, avoid))
+    aside = PlacementTarget(place_.subject, None, None, contains=False)
+    if found:
+        yield from _paired(world, reach, aside, [found], tried, (None, TILTED))
+
+
+def _paired(
+    world: World,
+    reach: Reach,
+    place_: PlacementTarget,
+    targets: Sequence[Sequence[Spot]],
+    tried: Sequence[Pose],
+    searches: Sequence[Search | None],
+) -> Iterator[Transfer]:
+    """Each grasp with the first spot of each of ``targets`` that it can be let go at."""
+    entity = place_.subject
+    body = world.pose(entity)
+    for search in searches:
         grasps = Again(reachable(world, reach, grasps_of(world, entity, search), tried))
         for found in targets:
             for grasp, at in islice(grasps, PAIRED):

@@ -22,9 +22,9 @@ from runtime.worlds.libero.scene.views import Views
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.simulation import Simulation
-from runtime.worlds.libero.simulator.snapshot import Snapshot
 from runtime.worlds.libero.training.hand import sensed
 from runtime.worlds.libero.training.scene import SceneFacts
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["CAMERA", "MACRO", "PIXELS", "Film", "Filmer"]
 

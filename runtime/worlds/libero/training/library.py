@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tempfile
 import zipfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
@@ -19,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from onto_compiler.atomic import replacing
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.pool import map_over_processes
 from onto_compiler.problems import OntoError
@@ -27,8 +27,8 @@ from runtime.loop.faults import RunFault
 from runtime.worlds.libero.demos.collect import CollectionRequest, collect_task
 from runtime.worlds.libero.demos.read import load
 from runtime.worlds.libero.demos.records import Demonstration
+from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.assets import TaskRef, tasks
-from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION
 from runtime.worlds.libero.training.altered import altered
 from runtime.worlds.libero.training.film import Film, Filmer
 from runtime.worlds.libero.training.scene import SUITE, scene_facts
@@ -194,9 +194,9 @@ def read_film(path: Path, *, pictures: bool = True) -> Film:
         OntoError: ``WM017``, where it is damaged.
     """
     try:
-        with np.load(path, allow_pickle=False) as kept:
+        with np.load(path, allow_pickle=False) as archive:
             wanted = [field.name for field in fields(Film) if pictures or field.name != "pictures"]
-            arrays: Mapping[str, NDArray[Any]] = {name: kept[name] for name in wanted}
+            arrays: Mapping[str, NDArray[Any]] = {name: archive[name] for name in wanted}
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise OntoError.of(
             "WM017", f"the film cannot be read: {error}", "remove it; it is made again", str(path)
@@ -211,10 +211,7 @@ def _whole(path: Path) -> bool:
 
 def _write(path: Path, film: Film) -> None:
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=f".{path.stem}-", dir=path.parent) as scratch:
-            partial_path = Path(scratch) / path.name
-            np.savez_compressed(partial_path, **{field.name: getattr(film, field.name) for field in fields(Film)})
-            partial_path.replace(path)
+        with replacing(path) as place:
+            np.savez_compressed(place, **{field.name: getattr(film, field.name) for field in fields(Film)})
     except OSError as error:
         raise OntoError.of("WM006", f"the film cannot be written: {error.strerror}", "", str(path)) from error

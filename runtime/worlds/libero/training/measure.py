@@ -77,15 +77,15 @@ def imagining_metrics(network: Dynamics, data: Windows) -> dict[str, float]:
 
 def fact_metrics(dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact], data: Windows) -> dict[str, float]:
     """AUROC, margin error and calibration of each fact with :data:`ENOUGH` positives, and the worst AUROC of them."""
-    told, _ = tell(dynamics, head, facts, data)
+    predicted, _ = tell(dynamics, head, facts, data)
     truth, margin = data.truth[:, -1], data.margin[:, -1]
     found: dict[str, float] = {}
     for place, name in enumerate(head.facts):
         if truth[:, place].sum() < ENOUGH:
             continue
-        found[f"{name}.auroc"] = auroc(told.score[:, place], truth[:, place])
-        found[f"{name}.margin_mae"] = float(np.abs(told.margin[:, place] - margin[:, place]).mean())
-        found[f"{name}.ece"] = calibration_error(told.score[:, place], truth[:, place])
+        found[f"{name}.auroc"] = auroc(predicted.score[:, place], truth[:, place])
+        found[f"{name}.margin_mae"] = float(np.abs(predicted.margin[:, place] - margin[:, place]).mean())
+        found[f"{name}.ece"] = calibration_error(predicted.score[:, place], truth[:, place])
     ranked = [value for name, value in found.items() if name.endswith(".auroc")]
     return {**({"auroc_min": min(ranked)} if ranked else {}), **found}
 
@@ -102,7 +102,7 @@ def tell_events(
     goal = np.zeros((len(data), len(asked.names)), dtype=np.bool_)
     for row, task in enumerate(data.task):
         goal[row, list(asked.goals[int(task)])] = True
-    told: list[dict[str, torch.Tensor]] = []
+    predicted: list[dict[str, torch.Tensor]] = []
     for start in range(0, len(data), _AT_ONCE):
         which = np.arange(start, min(start + _AT_ONCE, len(data)))
         piece = data.frames.piece(which, np.zeros_like(which))
@@ -116,8 +116,10 @@ def tell_events(
             "success": found.success.sigmoid(), "remaining": found.remaining,
             "feasibility": found.feasibility.sigmoid(), "uncertainty": found.uncertainty, "error": gap,
         }  # fmt: skip
-        told.append({name: values.mean(dim=0) for name, values in several.items()})
-    every = {name: torch.cat([part[name] for part in told]).cpu().numpy().astype(np.float64) for name in told[0]}
+        predicted.append({name: values.mean(dim=0) for name, values in several.items()})
+    every = {
+        name: torch.cat([part[name] for part in predicted]).cpu().numpy().astype(np.float64) for name in predicted[0]
+    }
     return every | {
         "succeeds": (data.truth[:, -1] | ~goal).all(axis=1).astype(np.float64),
         "left": data.remaining[:, -1].astype(np.float64),
@@ -127,11 +129,11 @@ def tell_events(
 
 def event_metrics(dynamics: Dynamics, head: SceneEventHead, asked: SceneFacts, data: Windows) -> dict[str, float]:
     """How well :func:`tell_events` tells."""
-    told = tell_events(dynamics, head, asked, data)
-    there = np.isfinite(told["left"])
+    predicted = tell_events(dynamics, head, asked, data)
+    there = np.isfinite(predicted["left"])
     return {
-        "remaining_mae_s": float(np.abs(told["remaining"] - told["left"])[there].mean()),
-        "success_auroc": auroc(told["success"], told["succeeds"] > 0),
-        "feasibility_auroc": auroc(told["feasibility"], told["clear"] > 0),
-        "uncertainty_mae": float(np.abs(told["uncertainty"] - told["error"]).mean()),
+        "remaining_mae_s": float(np.abs(predicted["remaining"] - predicted["left"])[there].mean()),
+        "success_auroc": auroc(predicted["success"], predicted["succeeds"] > 0),
+        "feasibility_auroc": auroc(predicted["feasibility"], predicted["clear"] > 0),
+        "uncertainty_mae": float(np.abs(predicted["uncertainty"] - predicted["error"]).mean()),
     }

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import Fact
-from runtime.worlds.libero.loop.episodes import required_of
 from runtime.worlds.libero.simulator.assets import TaskRef, tasks
+from runtime.worlds.required import required_of
 
 __all__ = ["SUITE", "SceneFacts", "scene_facts"]
 

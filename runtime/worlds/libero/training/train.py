@@ -76,8 +76,8 @@ def load_windows(config: SceneTrainingConfig, place: FilmPlace, split: str, seen
         OntoError: as :func:`train`; ``WM016`` where the split has no demonstration.
     """
     films = _of_split(config, place, split, log)
-    kept = place.unfinished / f"features.{split}.npy"
-    return windows(films, _asked(), seen, kept, log, place.device)
+    path = place.unfinished / f"features.{split}.npy"
+    return windows(films, _asked(), seen, path, log, place.device)
 
 
 def _projection(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log) -> Mapping[str, float]:

@@ -84,11 +84,11 @@ def windows(
     films: Sequence[Filmed],
     asked: SceneFacts,
     seen: Encoder,
-    kept: Path,
+    path: Path,
     log: Callable[[str], None],
     device: str = "cpu",
 ) -> Windows:
-    """All windows of ``films``, with the features that ``seen`` has of their marks, which are kept at ``kept``.
+    """All windows of ``films``, with the features that ``seen`` has of their marks, cached in the file ``path``.
 
     What is drawn of them is drawn on ``device``.
 
@@ -98,7 +98,7 @@ def windows(
     """
     rows, draw = pictures_of(films)
     source = _Picked(tuple(f"{one.path.parent.parent.name}/{one.path.name}" for one in films))
-    features = np.asarray(encoded(rows, draw, seen, kept, source, log))
+    features = np.asarray(encoded(rows, draw, seen, path, source, log))
     checked_features(features, features.shape[1])
     cut: list[list[NDArray[Any]]] = [[] for _ in range(8)]
     begin = 0

@@ -68,10 +68,10 @@ def _plans(name: str, played: TrialResult, facts: MazeFacts) -> Html:
     nobody = np.empty((0, 1, 4))
     ways = [Way(s.states, nobody if s.made.foreseen is None else s.made.foreseen.paths) for s in played.steps]
     last = played.steps[-1].verdict
-    told = f"{'reached' if played.success else 'not reached'} after {len(ways)} plan{'s' * (len(ways) != 1)}"
-    told += f", {float(last.position):.2f} m and {float(last.velocity):.2f} m/s off"
-    drawing = maze_drawing(facts.maze, played.trial.start, played.trial.goal, ways, f"{name}: {told}")
-    return element("figure", element("figcaption", element("b", name), f": {told}"), drawing)
+    caption = f"{'reached' if played.success else 'not reached'} after {len(ways)} plan{'s' * (len(ways) != 1)}"
+    caption += f", {float(last.position):.2f} m and {float(last.velocity):.2f} m/s off"
+    drawing = maze_drawing(facts.maze, played.trial.start, played.trial.goal, ways, f"{name}: {caption}")
+    return element("figure", element("figcaption", element("b", name), f": {caption}"), drawing)
 
 
 def _margins(played: TrialResult, facts: MazeFacts, schema: Schema) -> Iterator[Html]:
@@ -90,9 +90,9 @@ def _margins(played: TrialResult, facts: MazeFacts, schema: Schema) -> Iterator[
         along = [(steps, margins[:, index]) for steps, margins in predicted if np.isfinite(margins[:, index]).all()]
         unit, name = unit_of(fact, schema), atom(fact, schema)
         errors = [np.abs(margins - true[steps, index]) for steps, margins in along]
-        told = f"{np.concatenate(errors).mean():.2f} {unit} off on average" if errors else "not observed"
-        chart = margin_chart(true[:, index], along, unit, f"{name}, predicted margins: {told}", fact.threshold)
-        yield element("figure", element("figcaption", code(name), f": {told}"), chart)
+        caption = f"{np.concatenate(errors).mean():.2f} {unit} off on average" if errors else "not observed"
+        chart = margin_chart(true[:, index], along, unit, f"{name}, predicted margins: {caption}", fact.threshold)
+        yield element("figure", element("figcaption", code(name), f": {caption}"), chart)
 
 
 def _reliability(played: Sequence[TrialResult], facts: MazeFacts, schema: Schema) -> Iterator[Html]:
@@ -112,6 +112,6 @@ def _reliability(played: Sequence[TrialResult], facts: MazeFacts, schema: Schema
             continue
         found = reliability(scores[:, index], truths[:, index])
         name = atom(fact, schema)
-        told = f"calibration error {found.error:.3f} over {len(scores)} predictions"
-        diagram = reliability_diagram(found, f"{name}: {told}")
-        yield element("figure", element("figcaption", code(name), f": {told}"), diagram)
+        caption = f"calibration error {found.error:.3f} over {len(scores)} predictions"
+        diagram = reliability_diagram(found, f"{name}: {caption}")
+        yield element("figure", element("figcaption", code(name), f": {caption}"), diagram)

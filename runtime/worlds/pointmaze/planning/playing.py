@@ -19,10 +19,10 @@ from onto_compiler.knowledge import Knowledge, load_knowledge
 from onto_compiler.problems import OntoError, near
 from onto_compiler.schema import local_name
 from onto_compiler.versions import version_of
+from onto_compiler.wording import counted
 from runtime.loop.diagnosis import unmet
 from runtime.loop.records import Episode
 from runtime.trace.file import require_format, write_trace
-from runtime.wording import counted
 from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
 from runtime.worlds.pointmaze.maze import MACRO_STEPS, maze_named
 from runtime.worlds.pointmaze.planning.figures import write_plans
@@ -48,21 +48,21 @@ def run(options: argparse.Namespace) -> int:
     knowledge = load_knowledge()
     facts = MazeFacts(maze_named(MAZE), required_facts(knowledge), knowledge)
     players = {name: planner(name, folder) for name in dict.fromkeys(options.row)}
-    told, played = dict[str, list[dict[str, Any]]](), dict[str, list[TrialResult]]()
+    records, played = dict[str, list[dict[str, Any]]](), dict[str, list[TrialResult]]()
     for name, who in players.items():
         if options.format == "text":
             sys.stdout.write(f"{name}, which sees {ROWS[name].sees}\n{_HEADER}")
-        told[name], played[name] = [], []
+        records[name], played[name] = [], []
         for each in _played(who, wanted, options.seed):
             played[name].append(each)
-            told[name].append(_record(each, facts))
+            records[name].append(_record(each, facts))
             if options.format == "text":
-                sys.stdout.write(_line(told[name][-1]))
+                sys.stdout.write(_line(records[name][-1]))
                 sys.stdout.flush()
         if options.format == "text":
-            sys.stdout.write(_closing(summary(told[name])))
+            sys.stdout.write(_closing(summary(records[name])))
     if options.format == "json":
-        print_json(_document(told, options.seed))
+        print_json(_document(records, options.seed))
     if options.trace is not None:
         runs = [
             (f"{SUITE}-{name}", episodes(name, some, facts, knowledge, options.seed, folder))
@@ -71,7 +71,7 @@ def run(options: argparse.Namespace) -> int:
         write_trace(options.trace, runs, knowledge.schema)
     if options.picture is not None:
         write_plans(options.picture, played, facts, knowledge.schema)
-    return CLEAN if all(row["success"] for rows in told.values() for row in rows) else FINDINGS
+    return CLEAN if all(row["success"] for rows in records.values() for row in rows) else FINDINGS
 
 
 def numbers(text: str) -> tuple[int, ...]:
@@ -165,9 +165,9 @@ def _closing(found: dict[str, float]) -> str:
     )
 
 
-def _document(told: dict[str, list[dict[str, Any]]], seed: int) -> dict[str, Any]:
+def _document(records: dict[str, list[dict[str, Any]]], seed: int) -> dict[str, Any]:
     rows = [
         {"row": name, "sees": ROWS[name].sees, "mode": "controller", "trials": some, "summary": summary(some)}
-        for name, some in told.items()
+        for name, some in records.items()
     ]
     return {"seed": seed, "rows": rows}

@@ -16,15 +16,14 @@ import numpy as np
 from grounding.observation import Observation
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.schema import local_name
-from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.loop.diagnosis import diagnose_goal, evidence_status
+from runtime.loop.diagnosis import diagnose_goal, satisfied
 from runtime.loop.records import Application, Attempt, Episode, ExecutedPlan, Prediction, Proposal, Verification
 from runtime.worlds.pointmaze.grounded import MazeFacts
 from runtime.worlds.pointmaze.planning.mpc import ExecutedStep, TrialResult
+from runtime.worlds.pointmaze.world import SUITE
 
 __all__ = ["SUITE", "TrialRecorder"]
 
-SUITE = "pointmaze"
 _JUDGED = "at_target"
 """The predicate whose truth the published success is."""
 
@@ -58,7 +57,7 @@ class TrialRecorder:
             required=required,
             initial=self.facts.observe(trial.start, trial.goal),
             premise=premise,
-            premise_holds=bool(np.all(evidence_status(required.premise, premise) == STATUSES.index(SATISFIED))),
+            premise_holds=bool(satisfied(required.premise, premise).all()),
             attempts=tuple(attempts),
             final=plans[-1].simulated,
             outcome="accepted" if played.success else "unresolved",

@@ -6,8 +6,8 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from onto_compiler.problems import OntoError
-from runtime.worlds.pointmaze import POINT_MAZE
 from runtime.worlds.pointmaze.environment import PointMazeEnv
+from runtime.worlds.pointmaze.gym import POINT_MAZE
 from runtime.worlds.pointmaze.maze import MAZES
 from runtime.worlds.pointmaze.picture import draw
 from runtime.worlds.pointmaze.rollout import Rollout
@@ -19,7 +19,7 @@ U_MAZE = MAZES["u_maze"]
 
 
 def made(**options):
-    return gymnasium.make(f"runtime.worlds.pointmaze:{POINT_MAZE}", **options)
+    return gymnasium.make(f"runtime.worlds.pointmaze.gym:{POINT_MAZE}", **options)
 
 
 @pytest.mark.parametrize("options", [{}, {"observe": "pixels", "size": 32}, {"maze": "medium"}])
@@ -102,7 +102,7 @@ def test_every_maze_has_trials_in_its_own_cells():
 
 
 def test_many_at_once():
-    vector = gymnasium.make_vec(f"runtime.worlds.pointmaze:{POINT_MAZE}", num_envs=3, vectorization_mode="sync")
+    vector = gymnasium.make_vec(f"runtime.worlds.pointmaze.gym:{POINT_MAZE}", num_envs=3, vectorization_mode="sync")
     observations, info = vector.reset(seed=0)
     assert info["trial"].tolist() == [0, 1, 2]
     assert np.array_equal(observations["goal"], [trial(number).goal for number in range(3)])

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import pytest
+
+from onto_compiler.pool import WorkerDiedError
 
 pytestmark = pytest.mark.sim
 
@@ -17,13 +18,13 @@ def test_a_task_that_takes_its_process_down_is_named_and_the_others_are_audited(
 
     refs = [TaskRef("suite", index, f"task_{index}", Path("no.bddl"), Path("no.npz")) for index in range(4)]
 
-    def pooled(some, plan, jobs):
+    def mapped(_function, some, _jobs, *, apart=False):
         for ref in some:
             if ref.index == 1:
-                raise BrokenProcessPool("killed")
+                raise WorkerDiedError.of("CLI007", "killed")
             yield ref, TaskAudit(ref.suite, ref.index, ref.name, False, 1, (StateAudit(0),))
 
-    monkeypatch.setattr(fan_out, "_pooled", pooled)
+    monkeypatch.setattr(fan_out, "map_over_processes", mapped)
     told = []
     audit = fan_out.run_audit(refs, fan_out.AuditPlan(), 2, told.append)
     assert [task.index for task in audit.tasks] == [0, 1, 2, 3]

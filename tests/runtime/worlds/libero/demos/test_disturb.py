@@ -37,7 +37,7 @@ def test_the_same_seed_disturbs_alike_and_every_action_stays_one(seed, severity)
 
 def test_what_rests_is_left_at_rest():
     from runtime.worlds.libero.demos.disturb import Disturber
-    from runtime.worlds.libero.simulator.simulation import DUMMY_ACTION
+    from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 
     disturber = Disturber(np.random.default_rng(0), 1.0)
     disturber.step = 500  # past any push

@@ -142,7 +142,7 @@ if __name__ == "__main__":
 
 
 def test_workers_draw_and_a_fork_of_a_process_that_has_drawn_says_why_it_cannot(tmp_path):
-    from runtime.worlds.libero.simulator.pictures import backend
+    from runtime.worlds.pictures import backend
 
     if backend() is None:
         pytest.skip("this machine cannot draw")

@@ -1,9 +1,8 @@
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from runtime.worlds.libero.proposers.candidates import Candidate, holds, offer, ranked
+from runtime.worlds.libero.proposers.candidates import Candidate, offer, ranked
 from tests.runtime.worlds.libero.proposers import conftest as scenes
 
 pytestmark = pytest.mark.sim
@@ -72,19 +71,3 @@ def test_an_offer_names_what_changed_or_is_none(world, request_):
     assert proposal.changed == (int(world.model.joint("chest_1_slide").qposadr[0]),)
     assert (proposal.route, proposal.proposer, proposal.candidate) == ("route", "proposer", 0)
     assert offer(request_, "route", "proposer", iter([])) is None
-
-
-@pytest.mark.parametrize(
-    ("slide", "polarity", "threshold", "expected"),
-    [(0.17, True, 0.0, True), (0.17, False, 0.0, False), (0.1, False, 0.0, True), (0.17, True, 0.05, False)],
-)
-def test_a_fact_holds_by_polarity_and_threshold(world, slide, polarity, threshold, expected):
-    fact = scenes.fact("Open", "chest_1_drawer_region", grounded_by="joint_threshold", threshold=scenes.OPEN)
-    asked = type(fact)(fact.predicate, fact.arguments, fact.native, fact.grounded_by, polarity, threshold)
-    assert holds(world.observer((fact,))(world.slide(slide)), 0, asked) is expected
-
-
-def test_what_was_not_observed_does_not_hold(world):
-    seen = world.observer((scenes.OPEN_DRAWER,))(world.slide(0.17))
-    blind = type(seen)("sim", 0, np.array([False]), seen.truth, seen.margin, seen.score, seen.limit)
-    assert not holds(blind, 0, scenes.OPEN_DRAWER)

@@ -17,7 +17,8 @@ from runtime.worlds.libero.simulator import pictures, snapshot
 os.environ["MUJOCO_GL"] = os.environ["PYOPENGL_PLATFORM"] = pictures.backend()
 from runtime.worlds.libero.gym.environment import LiberoEnv
 from runtime.worlds.libero.simulator.assets import initial_states, named_task
-from runtime.worlds.libero.simulator.native_import import control_env, quiet
+from runtime.worlds.libero.simulator.native_import import control_env
+from runtime.worlds.native_import import quiet
 
 task = "libero_goal/turn_on_the_stove"
 ref = named_task(task)
@@ -136,7 +137,7 @@ print("flat")
 
 
 def lines(program):
-    from runtime.worlds.libero.simulator.pictures import backend
+    from runtime.worlds.pictures import backend
 
     if backend() is None:
         pytest.skip("this machine cannot draw")
@@ -192,7 +193,7 @@ def test_a_machine_that_cannot_draw_says_what_to_install(monkeypatch):
 def test_an_unknown_camera_is_refused():
     from onto_compiler.problems import OntoError
     from runtime.worlds.libero.gym.environment import LiberoEnv
-    from runtime.worlds.libero.simulator.pictures import backend
+    from runtime.worlds.pictures import backend
 
     if backend() is None:
         pytest.skip("this machine cannot draw")

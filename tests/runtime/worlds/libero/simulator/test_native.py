@@ -21,7 +21,7 @@ def run(native, actions):
 
 
 def test_a_rollout_equals_the_plain_environment_s(ref, native, state, actions):
-    from runtime.worlds.libero.simulator.native import DUMMY_ACTION
+    from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
     from runtime.worlds.libero.simulator.native_import import control_env
 
     plain = control_env()(

@@ -213,7 +213,7 @@ def test_a_state_of_the_right_length_with_numbers_in_the_wrong_places_is_refused
 def test_a_snapshot_of_another_scene_of_equal_sizes_is_refused(scene, state):
     import mujoco
 
-    from runtime.worlds.libero.simulator.snapshot import identity
+    from runtime.worlds.snapshot import identity
 
     made = simulation(scene, state)
     other = mujoco.MjModel.from_xml_string("<mujoco><worldbody><site/></worldbody></mujoco>")
@@ -224,7 +224,7 @@ def test_a_snapshot_of_another_scene_of_equal_sizes_is_refused(scene, state):
 
 def test_a_scene_is_itself_with_and_without_textures_and_wherever_its_fixtures_stand(ref, scene, native):
     from runtime.worlds.libero.simulator.compiled import compile_scene
-    from runtime.worlds.libero.simulator.snapshot import identity
+    from runtime.worlds.snapshot import identity
 
     elsewhere = compile_scene(ref.bddl, seed=1)
     assert not np.array_equal(elsewhere.model.body_pos, scene.model.body_pos)

@@ -28,16 +28,19 @@ class Stage:
 
     def holds(self, index=0):
         """Whether fact ``index`` would be true with its object at a pose."""
-        return self.player._holds(self.world, index)
+        from runtime.worlds.libero.skills.order import GoalStep
+
+        step = GoalStep(self.player.required.facts[index], index, precondition=False)
+        return self.player._holds(self.world, step)
 
 
 @cache
 def player_of(suite, index):
     from onto_compiler.knowledge import load_knowledge
-    from runtime.worlds.libero.loop.episodes import required_of
     from runtime.worlds.libero.simulator.assets import tasks
     from runtime.worlds.libero.simulator.compiled import compile_scene
     from runtime.worlds.libero.skills.play import Player
+    from runtime.worlds.required import required_of
 
     ref, knowledge = tasks(suite)[index], load_knowledge()
     return ref, Player(compile_scene(ref.bddl), required_of(ref, knowledge, ordered=True), knowledge)

@@ -50,7 +50,6 @@ def knowledge():
 
 @pytest.fixture(scope="module")
 def stage(knowledge):
-    from runtime.worlds.libero.loop.episodes import required_of
     from runtime.worlds.libero.simulator.assets import find_task
     from runtime.worlds.libero.simulator.compiled import compile_scene
     from runtime.worlds.libero.simulator.native import NativeTask
@@ -58,6 +57,7 @@ def stage(knowledge):
     from runtime.worlds.libero.skills.offset_grid import OffsetGrid
     from runtime.worlds.libero.skills.play import Player
     from runtime.worlds.libero.skills.replay import NativeReplay
+    from runtime.worlds.required import required_of
 
     ref = find_task("libero_90", MUG)
     required = required_of(ref, knowledge, ordered=True)
@@ -151,13 +151,13 @@ def test_the_story_and_the_summary_tell_what_the_controller_did(performance, kno
 @pytest.fixture(scope="module")
 def bowl(knowledge):
     """The bowl that has to go on the plate, with the house's own skills."""
-    from runtime.worlds.libero.loop.episodes import required_of
     from runtime.worlds.libero.simulator.assets import find_task
     from runtime.worlds.libero.simulator.compiled import compile_scene
     from runtime.worlds.libero.simulator.native import NativeTask
     from runtime.worlds.libero.skills.episode import EpisodePlayer
     from runtime.worlds.libero.skills.play import Player
     from runtime.worlds.libero.skills.replay import NativeReplay
+    from runtime.worlds.required import required_of
 
     ref = find_task("libero_goal", 8)
     required, scene = required_of(ref, knowledge, ordered=True), compile_scene(ref.bddl)

@@ -6,14 +6,14 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
+from onto_compiler import registered
 from onto_compiler.compile_schema import load_schema
 from onto_compiler.problems import OntoError
-from runtime.loop import routed
 from runtime.worlds.libero.skills import registry
 
 
 def declare(monkeypatch, *entries):
-    monkeypatch.setattr(routed, "entry_points", lambda group: list(entries) if group == registry.GROUP else [])
+    monkeypatch.setattr(registered, "entry_points", lambda group: list(entries) if group == registry.GROUP else [])
 
 
 def test_a_skill_is_found_by_its_route_and_one_of_no_route_is_left_out(monkeypatch):

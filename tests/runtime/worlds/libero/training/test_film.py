@@ -13,9 +13,9 @@ def shot():
     from onto_compiler.knowledge import load_knowledge
     from runtime.worlds.libero.demos.read import load
     from runtime.worlds.libero.simulator.assets import find_task
-    from runtime.worlds.libero.simulator.pictures import backend
     from runtime.worlds.libero.training.film import Filmer
     from runtime.worlds.libero.training.scene import scene_facts
+    from runtime.worlds.pictures import backend
 
     if backend() is None:
         pytest.skip("this machine cannot draw")

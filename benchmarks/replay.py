@@ -1,0 +1,137 @@
+"""Do the published figures still hold? A sample of their rows is made again on the present tree and compared.
+
+A trial is run by its own protocol, in an empty working folder, so that nothing is taken from an earlier run, and every
+field of its rows is compared to the last digit, but for what the protocol says is timed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import random
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from benchmarks.archives import CACHE
+from benchmarks.engine import run_trial
+from benchmarks.protocol import Protocol, Row, Trial, load_protocols, protocol_named, untimed
+from benchmarks.results import RESULTS, read_result
+
+__all__ = ["REPLAY", "compared", "sampled", "trials_of"]
+
+SEED = 0
+CHEAP = 5.0  # seconds, as published, of a trial of the small sample
+BUDGET = 40.0  # seconds, as published, of all trials of one protocol in the full sample
+MOST = 12  # trials of one protocol
+SHOWN = 5  # differences that a row names; all are counted
+# What a trial's published seconds do not say: with these fields it takes minutes, or another version of MuJoCo.
+_COSTLY: Mapping[str, tuple[str, ...]] = {"audit_versions": ("other",), "world_model_libero": ("count",)}
+
+
+def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signature
+    """A sample of each published result's trials; small: one that is cheap, of each protocol that has one."""
+    others = [protocol for protocol in load_protocols().values() if protocol.name != REPLAY.name]
+    return [trial for protocol in others for trial in trials_of(protocol, full=full)]
+
+
+def trials_of(protocol: Protocol, *, full: bool) -> list[Trial]:
+    """The trials of ``protocol`` that are replayed: none where it has no published result."""
+    if not (RESULTS / protocol.file).exists():
+        return []
+    return [
+        {"key": f"{protocol.name} {trial['key']}", "protocol": protocol.name, "trial": dict(trial)}
+        for trial in sampled(protocol, _published(protocol.name), full=full)
+    ]
+
+
+def sampled(protocol: Protocol, published: Mapping[str, Sequence[Row]], *, full: bool) -> list[Trial]:
+    """Trials of ``protocol`` whose rows are ``published``, drawn with the protocol's name as the seed.
+
+    The full sample takes what :data:`BUDGET` and :data:`MOST` allow, and at least the cheapest trial.
+    """
+    known = {trial["key"]: trial for trial in protocol.trials(True)} if published else {}
+    seconds = {key: float(rows[0]["seconds"]) for key, rows in published.items() if key in known}
+    fields = _COSTLY.get(protocol.name, ())
+    costly = {key for key in seconds if any(known[key].get(name) for name in fields)}
+    order = sorted(seconds)
+    random.Random(f"{SEED} {protocol.name}").shuffle(order)  # noqa: S311 - a sample, no secret
+    if not full:
+        cheap = [key for key in order if seconds[key] <= CHEAP and key not in costly]
+        return [known[key] for key in cheap[:1]]
+    chosen: list[str] = []
+    for key in order:
+        if len(chosen) < MOST and key not in costly and sum(seconds[each] for each in (*chosen, key)) <= BUDGET:
+            chosen.append(key)
+    cheapest = sorted(seconds, key=lambda key: (key in costly, seconds[key]))
+    return [known[key] for key in chosen or cheapest[:1]]
+
+
+def run(trial: Trial) -> list[Row]:
+    """One row: how many rows were made again, in how many fields they differ, and in which."""
+    protocol = protocol_named(trial["protocol"])
+    before = _published(protocol.name)[trial["trial"]["key"]]
+    with _empty_folder():
+        after = run_trial(protocol, trial["trial"])
+    found = list(compared(untimed(protocol, before), untimed(protocol, json.loads(json.dumps(after)))))
+    return [{"mode": "none", "sees": "none", "rows": len(before), "differ": len(found), "differences": found[:SHOWN]}]
+
+
+def compared(before: Sequence[Row], after: Sequence[Row]) -> Iterator[Mapping[str, Any]]:
+    """Each field in which two runs' rows differ, by the row's number; a missing row differs in being there."""
+    if len(before) != len(after):
+        yield {"row": min(len(before), len(after)), "field": "rows", "published": len(before), "now": len(after)}
+    for number, (old, new) in enumerate(zip(before, after, strict=False)):
+        if "crashed" in new and "crashed" not in old:
+            yield {"row": number, "field": "crashed", "published": None, "now": new["crashed"]}
+            continue
+        for name in dict.fromkeys((*old, *new)):
+            if name not in old or name not in new or old[name] != new[name]:
+                yield {"row": number, "field": name, "published": old.get(name), "now": new.get(name)}
+
+
+def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
+    """How much was made again, and what differed."""
+    whole = [row for row in rows if "crashed" not in row]
+    return {
+        "protocols": len({row["protocol"] for row in whole}),
+        "trials": len(whole),
+        "rows": sum(row["rows"] for row in whole),
+        "differences": sum(row["differ"] for row in whole),
+        "crashed": len(rows) - len(whole),
+    }
+
+
+@lru_cache(maxsize=2)
+def _published(name: str) -> Mapping[str, Sequence[Row]]:
+    """The rows of a protocol's published result by the key of their trial."""
+    found: dict[str, list[Row]] = {}
+    for row in read_result(RESULTS / protocol_named(name).file)["rows"]:
+        found.setdefault(row["key"], []).append(row)
+    return found
+
+
+@contextlib.contextmanager
+def _empty_folder() -> Iterator[None]:
+    """Work in a folder that has nothing but the archives that were downloaded."""
+    archives = CACHE.resolve()
+    with tempfile.TemporaryDirectory() as folder:
+        if archives.is_dir():
+            place = Path(folder) / CACHE
+            place.parent.mkdir(parents=True)
+            place.symlink_to(archives)
+        with contextlib.chdir(folder):
+            yield
+
+
+REPLAY = Protocol(
+    name="replay",
+    help="a sample of every protocol's published rows, made again and compared to the last digit",
+    seeds=(SEED,),
+    trials=trials,
+    run=run,
+    metrics=metrics,
+    result="replayed",
+)

@@ -1,0 +1,94 @@
+"""Set an object aside: where on the table or floor it can stand freely, out of the way of what is to come."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import product
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from runtime.worlds.libero.scene.geometry import level
+from runtime.worlds.libero.skills.frames import Pose
+from runtime.worlds.libero.skills.heights import CELL, relief_of, underside
+from runtime.worlds.libero.skills.place import Spot
+from runtime.worlds.libero.skills.world import World
+
+__all__ = ["free_spots"]
+
+Array = NDArray[np.float64]
+
+AWAY = np.arange(0.08, 0.5, 0.03)  # metres from where the object is
+TURNS = np.arange(16) * np.pi / 8
+GAP = 0.03  # metres on all sides, for the fingers
+AROUND = 0.75  # metres from the object that are looked at
+EVEN = 0.005  # metres of height that a surface may vary by
+BORNE = 0.025  # metres from the rim to the next point of the surface
+RIM = np.arange(8) * np.pi / 4
+
+
+def free_spots(world: World, entity: str, holds: Callable[[Pose], bool], avoid: Sequence[str] = ()) -> list[Spot]:
+    """Where ``entity`` can stand on the table or floor with nothing beside or over it, the nearest first.
+
+    ``holds`` says whether the required fact is true with the object at a pose. What lies in the way of a region of
+    ``avoid``, sites of the table or floor, is left out unless there is nothing else.
+    """
+    body = world.pose(entity)
+    upright = level(body.rotation, np.pi / 2)
+    cloud = (world.cloud(entity) - body.position) @ body.rotation @ upright.T
+    under, corner = underside(cloud)
+    radius = float(np.linalg.norm(cloud[:, :2], axis=1).max())
+    ground, things = _ground(world, body.position), world.points(_things(world, entity))
+    relief = relief_of(ground, body.position, AROUND)
+    found = []
+    for away, angle in product(AWAY, TURNS):
+        over = body.position[:2] + away * np.array([np.cos(angle), np.sin(angle)])
+        height = relief.drop(under, over + corner)
+        if np.isfinite(height) and _bears(ground, over, radius) and _is_free(things, over, radius + GAP):
+            found.append(Spot(Pose(np.array([*over, height]), upright), float(away)))
+    top = max((spot.pose.position[2] for spot in found), default=0.0)
+    found = [spot for spot in found if spot.pose.position[2] > top - EVEN and holds(spot.pose)]
+    clear = [spot for spot in found if not any(_covers(world, site, spot, radius) for site in avoid)]
+    return clear or found
+
+
+def _things(world: World, entity: str) -> list[int]:
+    """The bodies of all objects and fixtures but ``entity``."""
+    return [int(body) for name in world.index.entities if name != entity for body in world.index.bodies(name)]
+
+
+def _ground(world: World, centre: Array) -> Array:
+    """Surface points (n, 3) near ``centre`` of what belongs to no object, no fixture and not to the robot."""
+    model, shapes = world.model, world.shapes
+    owned = {int(body) for name in world.index.entities for body in world.index.bodies(name)}
+    bodies = [int(body) for body in shapes.bodies if not shapes.robot[body] and int(body) not in owned]
+    points = world.points(bodies)
+    parts = [points[np.linalg.norm(points[:, :2] - centre[:2], axis=1) < AROUND]]
+    steps = np.arange(-AROUND, AROUND, 2 * CELL)
+    for geom in np.flatnonzero(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE):  # has no end, and no points
+        x, y = (axis.ravel() for axis in np.meshgrid(centre[0] + steps, centre[1] + steps))
+        parts.append(np.column_stack([x, y, np.full(x.size, world.data.geom_xpos[geom][2])]))
+    return np.concatenate(parts)
+
+
+def _bears(ground: Array, over: Array, radius: float) -> bool:
+    """Whether the surface below a disc around ``over`` (2,) is even and reaches beyond its rim."""
+    away = ground[:, :2] - over
+    near = ground[np.linalg.norm(away, axis=1) < radius + BORNE]
+    top = near[:, 2].max(initial=-np.inf)
+    surface = near[near[:, 2] > top - EVEN, :2] - over
+    rim = radius * np.stack([np.cos(RIM), np.sin(RIM)], axis=1)
+    gaps = np.linalg.norm(surface[:, None] - rim, axis=2).min(axis=0, initial=np.inf)
+    return bool((gaps < BORNE).all())
+
+
+def _is_free(things: Array, over: Array, radius: float) -> bool:
+    return bool((np.linalg.norm(things[:, :2] - over, axis=1) > radius).all())
+
+
+def _covers(world: World, site: str, spot: Spot, radius: float) -> bool:
+    """Whether a disc of that radius around ``spot`` meets the rectangle of a site, seen from above."""
+    frame, half = world.site_pose(site), world.site_half(site)
+    local = np.abs(frame.rotation.T @ (spot.pose.position - frame.position))[:2]
+    return bool(np.linalg.norm(np.maximum(local - half[:2], 0.0)) < radius)

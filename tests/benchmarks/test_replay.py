@@ -1,0 +1,66 @@
+"""Published rows are made again, and what differs is named."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchmarks.protocol import Protocol, load_protocols, protocol_named
+from benchmarks.replay import BUDGET, MOST, REPLAY, compared, run, sampled, trials_of
+from onto_compiler.problems import OntoError
+
+NAMES = sorted(name for name in load_protocols() if name != "replay")
+
+
+def listed(full):
+    return [{"key": f"t{number}"} for number in range(20)]
+
+
+SHORT = Protocol("short", "for this test", (), listed, lambda trial: [], lambda rows: {})
+
+
+def published(seconds):
+    return {f"t{number}": [{"key": f"t{number}", "seconds": each}] for number, each in enumerate(seconds)}
+
+
+def test_a_sample_is_the_same_each_time_and_within_its_budget():
+    rows = published([1.0] * 19 + [1000.0])
+    first = sampled(SHORT, rows, full=True)
+    assert first == sampled(SHORT, rows, full=True)
+    assert len({trial["key"] for trial in first}) == MOST
+    assert [trial["key"] for trial in sampled(SHORT, published([1000.0, 400.0, BUDGET + 1]), full=True)] == ["t2"]
+    assert sampled(SHORT, published([1000.0]), full=False) == []
+
+
+def test_a_row_that_the_protocol_lists_no_more_is_not_drawn():
+    rows = {"gone": [{"key": "gone", "seconds": 0.1}]}
+    assert sampled(SHORT, rows, full=True) == []
+
+
+def test_every_field_that_differs_is_found_and_so_are_missing_rows():
+    old, new = {"a": 1, "b": [0.1], "gone": 0}, {"a": 1, "b": [0.1 + 1e-17, 2], "come": None}
+    assert [each["field"] for each in compared([old], [new])] == ["b", "gone", "come"]
+    assert [each["field"] for each in compared([old, old], [old])] == ["rows"]
+    assert list(compared([old], [dict(old)])) == []
+    assert [each["now"] for each in compared([old], [{"crashed": "Boom"}])] == ["Boom"]
+
+
+def test_the_figures_count_what_differs():
+    row = {"key": "x", "protocol": "short", "rows": 3, "differ": 2}
+    found = REPLAY.metrics([row, row | {"protocol": "other", "differ": 0}, {"key": "y", "crashed": "Boom"}])
+    assert found == {"protocols": 2, "trials": 2, "rows": 6, "differences": 2, "crashed": 1}
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("name", NAMES)
+def test_a_published_row_of_each_protocol_is_made_again_to_the_last_digit(name):
+    pytest.importorskip("libero")
+    try:
+        chosen = trials_of(protocol_named(name), full=False)
+    except OntoError as error:
+        if error.problems[0].code == "BEN003":
+            pytest.skip(error.problems[0].message)  # the package index is out of reach
+        raise
+    for trial in chosen:
+        (row,) = run(trial)
+        assert row["rows"] >= 1
+        assert row["differences"] == []

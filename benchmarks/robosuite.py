@@ -37,6 +37,7 @@ Array = NDArray[np.float64]
 _HALVINGS = 24
 _NEAR_M, _FAR_M = 0.02, 0.3  # how far from what a fact names an object is thrown
 _FREE, _QUATERNION = 7, slice(3, 7)
+_GRIP = "gripper0_grip_site"
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +68,7 @@ def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signatur
 def run(trial: Trial) -> list[Row]:
     """One row: of a task's states, of one repair, or of the files."""
     if trial["kind"] == "files":
-        return [{"mode": "none", "sees": "true-dynamics", "files": naming_tasks_of(WORLD.name)}]
+        return [{"mode": "none", "sees": "none", "files": naming_tasks_of(WORLD.name)}]
     runner = _runner(trial["task"])
     if trial["kind"] == "repair":
         return [_repair(runner, trial["state"])]
@@ -116,7 +117,9 @@ def _states(runner: EpisodeRunner, counts: Counts) -> Row:
         prober.compare("initial")
     environment.start(0)
     base = environment.task.snapshot()
+    prober.starts = [environment.qpos]
     runner.correct(0)
+    prober.starts.append(environment.qpos)  # repaired, where repair serves the task
     ends = [environment.qpos, *prober.thrown(base, counts.randoms)]
     for qpos in prober.thrown(base, counts.settled):
         environment.task.restore(base)
@@ -124,7 +127,7 @@ def _states(runner: EpisodeRunner, counts: Counts) -> Row:
         environment.task.settle(5)
         prober.compare("settled")
     prober.thresholds(base, ends, counts.pairs)
-    return {"mode": "none", "sees": "privileged-state", **prober.row, "decided_alone": prober.alone}
+    return {"mode": "none", "sees": "privileged-state", **prober.row, "decided_alone": prober.decided}
 
 
 @dataclass(slots=True)
@@ -135,7 +138,13 @@ class _Prober:
     required: RequiredABox
     rng: np.random.Generator
     row: dict[str, Any] = field(default_factory=dict)
-    alone: dict[str, int] = field(default_factory=dict)  # states in which a fact was the only one unmet
+    starts: list[Array] = field(default_factory=list)  # what random states are made from, each a qpos (nq,)
+    alone: dict[str, list[Array]] = field(default_factory=dict)  # states in which a fact was the only one unmet
+    _scratch: mujoco.MjData = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._scratch = mujoco.MjData(self.environment.model)
+        self.starts = self.starts or [self.environment.qpos]
 
     def compare(self, kind: str) -> bool:
         """Count the present state as one of ``kind``, and whether the two agree; gives robosuite's verdict."""
@@ -145,7 +154,7 @@ class _Prober:
         truth = not left
         if len(left) == 1:
             fact = str(self.required.facts[left[0]])
-            self.alone[fact] = self.alone.get(fact, 0) + 1
+            self.alone.setdefault(fact, []).append(self.environment.qpos)
         margins = surplus(self.required.facts, observation)
         margin = max(min((margins[i] for i in way), default=np.inf) for way in self.required.ways)
         wrong = (margin > 0.0 and not native) or (margin < 0.0 and native)
@@ -167,14 +176,20 @@ class _Prober:
             self.compare("random")
             yield self.environment.qpos
 
+    @property
+    def decided(self) -> dict[str, int]:
+        """In how many of the states each fact was the only one unmet."""
+        return {fact: len(states) for fact, states in sorted(self.alone.items())}
+
     def thresholds(self, base: Any, ends: Sequence[Array], count: int) -> None:  # noqa: ANN401 - as above
-        """Compare the two states on either side of robosuite's threshold between ``count`` pairs of ``ends``."""
-        verdicts = [self._succeeds(base, qpos) for qpos in ends]
-        good = [qpos for qpos, verdict in zip(ends, verdicts, strict=True) if verdict]
-        bad = [qpos for qpos, verdict in zip(ends, verdicts, strict=True) if not verdict]
-        if not good or not bad:
-            return
-        for _ in range(count):
+        """Compare the two states on either side of robosuite's threshold between ``count`` pairs of states.
+
+        One of each pair is among ``ends`` and succeeds; in the other one fact alone is unmet, each fact in turn.
+        """
+        good = [qpos for qpos in ends if self._succeeds(base, qpos)]
+        kinds = [list(states) for states in self.alone.values()]
+        for number in range(count if good and kinds else 0):
+            bad = kinds[number % len(kinds)]
             pair = good[self.rng.integers(len(good))], bad[self.rng.integers(len(bad))]
             low, high = 0.0, 1.0  # `low` succeeds, `high` does not
             for _ in range(_HALVINGS):
@@ -200,37 +215,58 @@ class _Prober:
         return qpos
 
     def _thrown(self) -> Array:
-        """A random state: what the goal's facts name is moved, and the arm with it now and then."""
-        environment, rng, scene = self.environment, self.rng, self.environment.scene
-        model, qpos = scene.model, self.environment.qpos
-        arm = [j for j in range(model.njnt) if model.joint(j).name.startswith(("robot0", "gripper0"))]
-        if rng.random() < 0.5:
-            for joint in arm:
-                low, high = model.jnt_range[joint]
-                address = model.jnt_qposadr[joint]
-                qpos[address] = np.clip(qpos[address] + rng.normal() * 0.05 * (high - low), low, high)
+        """A random state: what the goal's facts name is moved, and the arm is brought to some of it."""
+        rng, scene = self.rng, self.environment.scene
+        model, qpos = scene.model, self.starts[self.rng.integers(len(self.starts))].copy()
         names = list(dict.fromkeys(name for fact in self.required.facts for name in fact.native.arguments))
-        anchors = [*self._places(names), environment.data.site("gripper0_grip_site").xpos.copy()]
+        anchors = list(self._places(qpos, (*names, _GRIP)))
         if rng.random() < 0.5:
             anchors = [anchors[rng.integers(len(anchors))]]  # one place for all, so that they meet
+        moved = rng.random() < 0.6
         for name in names:
             free = scene.free_joint(name) if name in scene.entities else None
-            if free is not None:
+            if free is not None and moved:
                 pose = qpos[scene.qpos_slice(free)]
                 spread = np.exp(rng.uniform(np.log(_NEAR_M), np.log(_FAR_M)))
                 pose[:3] = anchors[rng.integers(len(anchors))] + rng.normal(size=3) * spread
                 if rng.random() < 0.5:
                     turn = rng.normal(size=4)
                     pose[_QUATERNION] = turn / np.linalg.norm(turn)
-            elif name not in scene.sites and name in (joints := scene.naming.joints):
-                for each in joints[name]:
-                    joint = model.joint(each).id
-                    low, high = model.jnt_range[joint]
-                    qpos[model.jnt_qposadr[joint]] = rng.uniform(low - 0.1, high + 0.1)
+            for each in scene.naming.joints.get(name, ()):
+                joint = model.joint(each).id
+                low, high = model.jnt_range[joint]
+                qpos[model.jnt_qposadr[joint]] = rng.uniform(low - 0.1, high + 0.1)
+        if rng.random() < 0.6:
+            places = list(self._places(qpos, names)) or [qpos[:3]]
+            qpos = self._reaching(qpos, places[rng.integers(len(places))] + rng.normal(size=3) * _NEAR_M / 2)
+        fingers = [j for j in range(model.njnt) if model.joint(j).name.startswith("gripper0")]
+        opening = rng.random() if rng.random() < 0.5 else rng.random(len(fingers))
+        low, high = model.jnt_range[fingers].T
+        qpos[model.jnt_qposadr[fingers]] = opening * np.where(-low > high, low, high)
         return qpos
 
-    def _places(self, names: Sequence[str]) -> Iterator[Array]:
-        scene, data = self.environment.scene, self.environment.data
+    def _reaching(self, qpos: Array, target: Array) -> Array:
+        """``qpos`` with the arm's joints moved so that the grip is at ``target`` (3,), as near as it comes."""
+        model, data = self.environment.model, self._scratch
+        arm = [j for j in range(model.njnt) if model.joint(j).name.startswith("robot0")]
+        address, dof = model.jnt_qposadr[arm], model.jnt_dofadr[arm]
+        jacobian, site = np.zeros((3, model.nv)), model.site(_GRIP).id
+        qpos = qpos.copy()
+        for _ in range(30):
+            data.qpos[:] = qpos
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_jacSite(model, data, jacobian, None, site)
+            part = jacobian[:, dof]
+            step = part.T @ np.linalg.solve(part @ part.T + 1e-3 * np.eye(3), target - data.site_xpos[site])
+            qpos[address] = np.clip(qpos[address] + step, *model.jnt_range[arm].T)
+        return qpos
+
+    def _places(self, qpos: Array, names: Sequence[str]) -> Iterator[Array]:
+        """Where the entities and sites of ``names`` are in ``qpos``."""
+        scene, data = self.environment.scene, self._scratch
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(scene.model, data)
         for name in names:
             if name in scene.entities:
                 yield data.xpos[scene.root_body(name)].copy()

@@ -80,7 +80,7 @@ def _row(episode: Episode) -> Row:
         "attempts": len(episode.attempts),
         "unmet": [str(diagnosis.fact) for diagnosis in first],
         "failures": [local_name(diagnosis.failure) for diagnosis in first],
-        "routes": [local_name(attempt.selected.route) for attempt in episode.attempts],
+        "routes": [local_name(attempt.selected.route) for attempt in episode.attempts if attempt.selected is not None],
     }
 
 

@@ -44,7 +44,7 @@ DAMAGED = 10  # one episode in ten of the graph
 # Left out of the graph, since the two print these values differently: rdflib rewrites a malformed boolean to `false`,
 # and of two bounds that NaN fails pySHACL reports one.
 _UNEQUAL = ("malformed", "out of range", "two")
-_SHAPES = ("observed.ttl", "required.ttl", "trace.ttl")
+_SHAPES = ("implications.ttl", "trace.ttl")
 _TYPE = node(RDF + "type")
 
 Term = NamedNode | BlankNode | Literal

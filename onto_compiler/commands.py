@@ -6,7 +6,6 @@ import argparse
 import sys
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from onto_compiler.check.formats import FORMATS, Checked, render
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
@@ -15,10 +14,7 @@ from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import local_name
 from onto_compiler.wording import counted
 
-if TYPE_CHECKING:
-    from onto_compiler.batch import Batch
-
-__all__ = ["COMPILE", "abox_record", "batch_record"]
+__all__ = ["COMPILE"]
 
 REPORTS = tuple(name for name in FORMATS if name not in {"text", "json"})
 
@@ -52,13 +48,14 @@ def _run(options: argparse.Namespace) -> int:
 def _batch(options: argparse.Namespace) -> int:
     from onto_compiler.batch import available_jobs, compile_files, task_files  # noqa: PLC0415 - as in _each
     from onto_compiler.cache import cache_folder  # noqa: PLC0415
+    from onto_compiler.compiled_rows import BATCH  # noqa: PLC0415
 
     begin = time.perf_counter()
     files = task_files(options.paths)
     cache = None if options.no_cache else options.cache or cache_folder()
     batch = compile_files(files, options.ontology, jobs=options.jobs or available_jobs(), cache=cache)
     if options.format == "json":
-        print_json(batch_record(batch))
+        print_json(BATCH.of(batch))
     else:
         checked = Checked(batch.problems, tuple(map(str, batch.verdicts)))
         sys.stdout.write(render(options.format, checked))
@@ -72,24 +69,9 @@ def _batch(options: argparse.Namespace) -> int:
     return FINDINGS if total["failed"] else CLEAN
 
 
-def batch_record(batch: Batch) -> dict[str, object]:
-    """A batch as JSON has it."""
-    files = [
-        {
-            "file": str(file),
-            "compiled": verdict.compiled,
-            "facts": verdict.facts,
-            "premise": verdict.premise,
-            "alternatives": verdict.alternatives,
-            "cached": verdict.cached,
-        }
-        for file, verdict in batch.verdicts.items()
-    ]
-    return {"files": files, "summary": batch.summary, "problems": [problem.as_dict() for problem in batch.problems]}
-
-
 def _each(options: argparse.Namespace) -> int:
     from onto_compiler.bddl.compile import compile_task  # noqa: PLC0415 - heavy imports wait for the command to run
+    from onto_compiler.compiled_rows import COMPILATION  # noqa: PLC0415
 
     compiled: list[RequiredABox] = []
     problems: list[Problem] = []
@@ -99,38 +81,11 @@ def _each(options: argparse.Namespace) -> int:
         except OntoError as error:
             problems += error.problems
     if options.format == "json":
-        tasks = [abox_record(abox) for abox in compiled]
-        print_json({"tasks": tasks, "problems": [problem.as_dict() for problem in problems]})
+        print_json(COMPILATION.of({"tasks": compiled, "problems": problems}))
     else:
         sys.stdout.write("\n\n".join(_text(abox) for abox in compiled) + "\n" if compiled else "")
         sys.stderr.write(render_all(problems))
     return FINDINGS if any(problem.severity == "error" for problem in problems) else CLEAN
-
-
-def abox_record(abox: RequiredABox) -> dict[str, object]:
-    """A required ABox as JSON has it."""
-    return {
-        "task": abox.task,
-        "language": abox.language,
-        "problem": abox.problem,
-        "source": abox.source,
-        "facts": [_record(fact) for fact in abox.facts],
-        "alternatives": [list(way) for way in abox.alternatives],
-        "premise": [_record(fact) for fact in abox.premise],
-    }
-
-
-def _record(fact: Fact) -> dict[str, object]:
-    return {
-        "predicate": local_name(fact.predicate),
-        "arguments": [{"name": a.name, "type": local_name(a.type)} for a in fact.arguments],
-        "polarity": fact.polarity,
-        "threshold": fact.threshold,
-        "native": str(fact.native),
-        "grounded_by": fact.grounded_by,
-        "line": fact.span.line if fact.span else 0,
-        "column": fact.span.column if fact.span else 0,
-    }
 
 
 def _text(abox: RequiredABox) -> str:

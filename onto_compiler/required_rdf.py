@@ -2,28 +2,41 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from urllib.parse import quote
 
 from pyoxigraph import Literal, Quad
 
 from onto_compiler.problems import Span
-from onto_compiler.rdf import CORE, PROV, RDF, RDFS, TRACE, node
-from onto_compiler.required import Entity, Fact, RequiredABox
-from onto_compiler.schema import Schema
-from onto_compiler.statements import Statement, describe, link, quads_of
+from onto_compiler.rdf import BASE, CORE, PROV, RDF, RDFS, TRACE, XSD, node
+from onto_compiler.record.forms import (
+    BOOLEAN,
+    DOUBLE,
+    INDEX,
+    INTEGER,
+    TEXT,
+    Inline,
+    Iri,
+    Numbers,
+    Part,
+    Parts,
+    of_class,
+    of_datatype,
+)
+from onto_compiler.record.places import Known, Spot, Statement, Subject
+from onto_compiler.record.table import Derived, Field, PropertyShape, Record
+from onto_compiler.record.walk import quads_of, write_record
+from onto_compiler.required import Entity, Fact, NativeAtom, Precondition, RequiredABox
+from onto_compiler.schema import Schema, local_name
 
-__all__ = [
-    "entity_iri",
-    "fact_statements",
-    "refuse_two_types",
-    "required_quads",
-    "required_statements",
-    "stated_facts",
-    "thresholds_of",
-]
+__all__ = ["FACT", "REQUIRED_ABOX", "entity_iri", "refuse_two_types", "required_quads", "stated_facts", "thresholds_of"]
 
+RUNS = BASE + "run/"
 _DERIVED = PROV + "wasDerivedFrom"
+_PLACE = re.compile(r"(\d+):(\d+)-(\d+):(\d+)")
+_ATOM = re.compile(r"([^(]*)\((.*)\)", re.DOTALL)
 
 
 def required_quads(required: RequiredABox, schema: Schema, top: str) -> Iterator[Quad]:
@@ -34,12 +47,8 @@ def required_quads(required: RequiredABox, schema: Schema, top: str) -> Iterator
     """
     thresholds = thresholds_of(schema)
     refuse_two_types(stated_facts(required), thresholds)
-    facts, premise = f"{top}/required", f"{top}/premise"
-    graphs = [
-        (facts, required_statements(facts, top, required, thresholds)),
-        (premise, fact_statements(premise, top, required.premise, thresholds)),
-    ]
-    yield from quads_of(graphs)
+    iri = f"{top}/required"
+    yield from quads_of(write_record(REQUIRED_ABOX, Spot(required, iri, iri, top, Known(thresholds))))
 
 
 def thresholds_of(schema: Schema) -> frozenset[str]:
@@ -52,71 +61,21 @@ def entity_iri(top: str, name: str) -> str:
     return f"{top}/entity/{quote(name, safe='')}"
 
 
-def required_statements(iri: str, top: str, required: RequiredABox, thresholds: frozenset[str]) -> Iterator[Statement]:
-    """The ABox ``iri`` with the facts of the goal; its premise stands in a graph of its own."""
-    yield from describe(
-        iri,
-        [TRACE + "RequiredABox"],
-        trace_task=required.task,
-        trace_language=required.language,
-        trace_problem=required.problem,
-        trace_taskFile=required.source,
-    )
-    yield from link(iri, TRACE + "declares", *(f"{top}/premise/fact/{i}" for i in range(len(required.premise))))
-    yield from link(iri, TRACE + "memberFact", *(f"{iri}/fact/{i}" for i in range(len(required.facts))))
-    yield from fact_statements(iri, top, required.facts, thresholds)
-    yield from fact_statements(f"{iri}/precondition", top, [p.fact for p in required.preconditions], thresholds)
-    for index, precondition in enumerate(required.preconditions):
-        yield from link(f"{iri}/precondition/fact/{index}", CORE + "declaration", precondition.declared)
-        for later in precondition.before:
-            yield from link(f"{iri}/fact/{later}", CORE + "precondition", f"{iri}/precondition/fact/{index}")
-    for index, way in enumerate(required.alternatives):
-        alternative = f"{iri}/alternative/{index}"
-        yield from link(iri, TRACE + "alternative", alternative)
-        yield from describe(alternative, [TRACE + "Alternative"], trace_index=index)
-        yield from link(alternative, TRACE + "asksFor", *(f"{iri}/fact/{i}" for i in way))
-        yield from link(alternative, _DERIVED, iri)
-
-
-def fact_statements(abox: str, top: str, facts: Sequence[Fact], thresholds: frozenset[str]) -> Iterator[Statement]:
-    """Each of ``facts`` as ``abox/fact/INDEX``, and its arguments as entities below ``top``."""
-    for index, fact in enumerate(facts):
-        arguments = [node(a.type if a.type in thresholds else entity_iri(top, a.name)) for a in fact.arguments]
-        yield from describe(
-            f"{abox}/fact/{index}",
-            [CORE + "RequiredFact"],
-            core_predicate=node(fact.predicate),
-            core_argument1=arguments[0] if arguments else None,
-            core_argument2=arguments[1] if len(arguments) > 1 else None,
-            core_polarity=fact.polarity,
-            core_requiredMargin=float(fact.threshold),
-            core_nativeAtom=str(fact.native),
-            core_groundedBy=fact.grounded_by,
-            trace_index=index,
-            trace_place=_place(fact.span),
-            trace_taskFile=fact.span.file if fact.span else None,
-        )
-        yield from link(f"{abox}/fact/{index}", _DERIVED, f"{top}/required")
-        for argument in fact.arguments:
-            if argument.type not in thresholds:
-                yield from _entity(entity_iri(top, argument.name), argument)
-
-
 def stated_facts(required: RequiredABox) -> tuple[Fact, ...]:
     """Every fact that the record of a required ABox holds."""
     return (*required.facts, *required.premise, *(each.fact for each in required.preconditions))
 
 
 def refuse_two_types(facts: Iterable[Fact], thresholds: frozenset[str]) -> None:
-    """Hold ``facts`` to what can be read back: plain atoms, and one type for each name.
+    """Hold ``facts`` to what can be read back: at most two arguments, and one type for each name.
 
     Raises:
         ValueError: where it cannot.
     """
     types: dict[str, str] = {}
     for fact in facts:
-        if str(fact.native).count("(") != 1 or len(fact.arguments) > 2:
-            raise ValueError(f"`{fact.native}` is not an atom of at most two plain names")
+        if len(fact.arguments) > len(_ARGUMENTS):
+            raise ValueError(f"`{fact}` has more than {len(_ARGUMENTS)} arguments")
         for argument in fact.arguments:
             if argument.type in thresholds:
                 continue
@@ -124,10 +83,210 @@ def refuse_two_types(facts: Iterable[Fact], thresholds: frozenset[str]) -> None:
                 raise ValueError(f"`{argument.name}` is both a {types[argument.name]} and a {argument.type}")
 
 
-def _entity(iri: str, entity: Entity) -> Iterator[Statement]:
-    yield iri, RDF + "type", node(entity.type)
-    yield iri, RDFS + "label", Literal(entity.name)
+_ARGUMENTS = (CORE + "argument1", CORE + "argument2")
 
 
-def _place(span: Span | None) -> str | None:
-    return f"{span.line}:{span.column}-{span.end_line}:{span.end_column}" if span else None
+@dataclass(frozen=True, slots=True)
+class _Arguments:
+    """The typed arguments of a fact: entities below the top, and thresholds, which stand for themselves."""
+
+    json: str = "strings"
+
+    def write(self, field: Field, value: Sequence[Entity], spot: Spot) -> Iterator[Statement]:
+        """A link to each, and the type and name of an entity."""
+        del field
+        for predicate, entity in zip(_ARGUMENTS, value, strict=False):
+            own = entity.type in spot.known.thresholds
+            iri = entity.type if own else entity_iri(spot.top, entity.name)
+            yield from spot.say(predicate, node(iri))
+            if not own:
+                yield spot.graph, iri, RDF + "type", node(entity.type)
+                yield spot.graph, iri, RDFS + "label", Literal(entity.name)
+
+    def present(self, field: Field, subject: Subject) -> bool:
+        """Whether there is one."""
+        del field
+        return subject.one(_ARGUMENTS[0]) is not None
+
+    def read(self, field: Field, subject: Subject) -> tuple[Entity, ...]:
+        """The arguments in order."""
+        del field
+        found = [subject.one(predicate) for predicate in _ARGUMENTS]
+        return tuple(_entity(subject.at(term.value)) for term in found if term is not None)
+
+    def printed(self, value: Sequence[Entity], names: Schema) -> list[str]:
+        """Their names."""
+        del names
+        return [entity.name for entity in value]
+
+    def shapes(self, field: Field) -> Iterable[PropertyShape]:
+        """Entities; the second is not every predicate's."""
+        del field
+        for place, predicate in enumerate(_ARGUMENTS):
+            yield PropertyShape(predicate, int(place == 0), 1, *of_class(CORE + "Entity"))
+
+
+def _entity(subject: Subject) -> Entity:
+    """An entity of the episode; a term of the ontology (a threshold) has no type in a record and stands for itself."""
+    label = subject.one(RDFS + "label") if subject.iri.startswith(RUNS) else None
+    if label is None:
+        return Entity(local_name(subject.iri), subject.iri)
+    return Entity(label.value, subject.need(RDF + "type").value)
+
+
+@dataclass(frozen=True, slots=True)
+class _Ordered:
+    """Texts in order, as the members of an RDF container (``rdf:_1``, ``rdf:_2`` ...)."""
+
+    json: str = "strings"
+
+    def write(self, field: Field, value: Sequence[str], spot: Spot) -> Iterator[Statement]:
+        """One statement for each."""
+        del field
+        for place, text in enumerate(value, 1):
+            yield from spot.say(f"{RDF}_{place}", Literal(text))
+
+    def present(self, field: Field, subject: Subject) -> bool:
+        """None are as good as any number."""
+        del field, subject
+        return True
+
+    def read(self, field: Field, subject: Subject) -> tuple[str, ...]:
+        """The texts up to the first number that is not there."""
+        del field
+        found = list[str]()
+        while (term := subject.one(f"{RDF}_{len(found) + 1}")) is not None:
+            found.append(term.value)
+        return tuple(found)
+
+    def printed(self, value: Sequence[str], names: Schema) -> list[str]:
+        """A list."""
+        del names
+        return list(value)
+
+    def shapes(self, field: Field) -> Iterable[PropertyShape]:
+        """Nothing: SHACL Core has no word for a container's members."""
+        del field
+        return ()
+
+
+def _older_atom(subject: Subject) -> NativeAtom | None:
+    """The atom of a trace that has it as text alone."""
+    text = subject.one(CORE + "nativeAtom") if subject.one(TRACE + "atom") is None else None
+    match = None if text is None else _ATOM.fullmatch(text.value)
+    return None if match is None else NativeAtom(match[1], tuple(match[2].split(", ")) if match[2] else ())
+
+
+def _older_span(subject: Subject) -> Span | None:
+    """The place of a trace that has it in one text."""
+    place = subject.one(TRACE + "place")
+    match = None if place is None else _PLACE.fullmatch(place.value)
+    if match is None:
+        return None
+    return Span(subject.need(TRACE + "taskFile").value, *(int(number) for number in match.groups()))
+
+
+def _short(iri: str, names: Schema) -> str:
+    return names.notations.get(iri, local_name(iri))
+
+
+SPAN = Record(
+    Span,
+    "",
+    (
+        Field("line", TRACE + "line", INTEGER),
+        Field("file", TRACE + "taskFile", TEXT, key=""),
+        Field("column", TRACE + "column", INTEGER),
+        Field("end_line", TRACE + "endLine", INTEGER, key=""),
+        Field("end_column", TRACE + "endColumn", INTEGER, key=""),
+    ),
+)
+NATIVE_ATOM = Record(
+    NativeAtom,
+    TRACE + "Atom",
+    (Field("predicate", TRACE + "atomPredicate", TEXT), Field("arguments", "", _Ordered(), missing=())),
+    about="What the atom of a task file must have.",
+)
+FACT = Record(
+    Fact,
+    CORE + "RequiredFact",
+    (
+        Field("predicate", CORE + "predicate", Iri(CORE + "Predicate", "predicate", say=_short)),
+        Field("arguments", CORE + "arguments", _Arguments(), missing=()),
+        Field("native", TRACE + "atom", Part(NATIVE_ATOM, "atom"), asked=False, older=_older_atom, key=""),
+        Field("grounded_by", CORE + "groundedBy", TEXT, asked=False),
+        Field("polarity", CORE + "polarity", BOOLEAN),
+        Field("threshold", CORE + "requiredMargin", DOUBLE, asked=False),
+        Field("span", "", Inline(SPAN), missing=None, older=_older_span, key=""),
+    ),
+    (
+        Derived(
+            CORE + "nativeAtom",
+            lambda spot: (Literal(str(spot.record.native)),),
+            (("sh:datatype", "xsd:string"),),
+            "of datatype xsd:string",
+        ),
+        Derived(_DERIVED, lambda spot: (node(f"{spot.top}/required"),)),
+    ),
+    about="What a required fact must have.",
+)
+PRECONDITION = Record(
+    Precondition,
+    "",
+    (
+        Field("fact", "", Inline(FACT)),
+        Field("before", CORE + "precondition", Numbers("/required/fact/{}", CORE + "RequiredFact", reverse=True)),
+        Field("declared", CORE + "declaration", Iri(CORE + "Precondition")),
+    ),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """One alternative of a goal: the numbers of its facts."""
+
+    facts: tuple[int, ...]
+
+
+ALTERNATIVE = Record(
+    _Way,
+    TRACE + "Alternative",
+    (Field("facts", TRACE + "asksFor", Numbers("/required/fact/{}", CORE + "RequiredFact")),),
+    (
+        Derived(INDEX, lambda _: (), *of_datatype(XSD + "integer")),  # the ABox writes it
+        Derived(_DERIVED, lambda spot: (node(f"{spot.top}/required"),)),
+    ),
+    about="What a way to reach a goal must have.",
+)
+
+
+def _ways(value: Sequence[tuple[int, ...]], spot: Spot) -> list[_Way]:
+    del spot
+    return [_Way(way) for way in value]
+
+
+def _preconditions(subject: Subject) -> list[Subject]:
+    """The preconditions of the facts of an ABox; nothing else leads to them."""
+    facts = subject.follow(TRACE + "memberFact")
+    needed = {each.iri: each for fact in facts for each in fact.follow(CORE + "precondition")}
+    return list(needed.values())
+
+
+REQUIRED_ABOX = Record(
+    RequiredABox,
+    TRACE + "RequiredABox",
+    (
+        Field("task", TRACE + "task", TEXT),
+        Field("language", TRACE + "language", TEXT, asked=False),
+        Field("problem", TRACE + "problem", TEXT, asked=False),
+        Field("source", TRACE + "taskFile", TEXT, asked=False),
+        Field("facts", TRACE + "memberFact", Parts(FACT, "fact/{}")),
+        Field("premise", TRACE + "declares", Parts(FACT, "/premise/fact/{}", graph="/premise"), missing=()),
+        Field("alternatives", TRACE + "alternative", Parts(
+            ALTERNATIVE, "alternative/{}", split=_ways, join=lambda ways: tuple(way.facts for way in ways)
+        ), missing=()),
+        Field("preconditions", "", Parts(
+            PRECONDITION, "precondition/fact/{}", find=_preconditions), missing=(), key=""),
+    ),
+    about="What the ABox of a task must have.",
+)  # fmt: skip

@@ -61,7 +61,8 @@ def facts(draw, scene):
     return Fact(
         predicate=signature.iri,
         arguments=tuple(arguments),
-        native=NativeAtom(draw(names), tuple(draw(st.lists(names, max_size=3)))),
+        # Any text: an atom is stated part by part, and never read from what it prints as.
+        native=NativeAtom(draw(texts), tuple(draw(st.lists(texts, max_size=3)))),
         grounded_by=draw(names),
         polarity=draw(st.booleans()),
         threshold=draw(numbers),
@@ -132,7 +133,7 @@ def attempts(draw, required, index):
     application = None
     if draw(st.booleans()):
         qpos = np.array(draw(st.lists(numbers, max_size=9)), dtype=np.float64)
-        changed = tuple(draw(st.lists(st.integers(0, 99), max_size=7, unique=True)))
+        changed = tuple(sorted(draw(st.sets(st.integers(0, 99), max_size=7))))
         served = draw(st.sampled_from((route.iri, route.name, "no_declared_route")))
         proposal = Proposal(served, draw(names), draw(st.integers(0, 50)), qpos, changed, draw(texts))
         application = Application(
@@ -147,7 +148,7 @@ def attempts(draw, required, index):
         index=index,
         observation=draw(observations(size)),
         diagnoses=found,
-        selected=decision,
+        selected=draw(st.sampled_from((decision, decision, None))),
         application=application,
         verification=draw(st.none() | verifications()),
         fault=draw(texts),
@@ -195,7 +196,7 @@ def episodes(draw):
     return Episode(
         task=required.task,
         suite=draw(texts),
-        state_index=draw(st.integers(0, 49)),
+        state_index=draw(st.integers(-1, 49)),
         seed=draw(st.integers(0, 2**31)),
         required=required,
         initial=draw(observations(size)),
@@ -207,4 +208,7 @@ def episodes(draw):
         verification=draw(st.none() | verifications()),
         provenance=tuple(draw(st.dictionaries(names, texts | st.integers() | st.booleans() | numbers)).items()),
         plans=tuple(draw(plans(required, index)) for index in range(draw(st.integers(0, 2)))),
+        trial=draw(st.integers(0, 3)),
+        tags=tuple(sorted(draw(st.dictionaries(names, texts, max_size=2)).items())),
+        given=draw(st.sampled_from(("", "0123456789ab"))),
     )

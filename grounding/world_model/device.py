@@ -6,7 +6,7 @@ import torch
 
 from onto_compiler.problems import OntoError
 
-__all__ = ["device_named"]
+__all__ = ["device_named", "use_threads"]
 
 
 def device_named(name: str = "auto") -> str:
@@ -25,3 +25,8 @@ def device_named(name: str = "auto") -> str:
             "WM012", message, "`cpu` works everywhere; a GPU needs a build of torch with CUDA"
         ) from error
     return name
+
+
+def use_threads(count: int) -> None:
+    """Let torch compute with ``count`` threads of the CPU."""
+    torch.set_num_threads(count)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:  # `onto --help` reads this module, and stays without Oxigraph
 
 __all__ = ["OUTPUTS", "emit"]
 
-OUTPUTS = ("shacl", "jsonschema", "jsonld", "python", "mermaid", "dense")
+OUTPUTS = ("shacl", "jsonschema", "jsonld", "python", "mermaid", "dense", "record_shapes")
 
 
 def emit(output: str, tbox: TBox) -> str:

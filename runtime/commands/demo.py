@@ -7,6 +7,7 @@ from pathlib import Path
 
 from onto_compiler.command import Command, add_format, add_ontology
 from runtime.commands.options import add_budget
+from runtime.trace.options import add_identity
 
 __all__ = ["DEMO"]
 
@@ -17,6 +18,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--state", type=int, default=0, metavar="N", help="official initial state, from 0 (default 0)")
     parser.add_argument("--seed", type=int, default=0, help="places the fixtures (default 0)")
     add_budget(parser)
+    add_identity(parser)
     add_ontology(parser)
     add_format(parser)
 

@@ -17,9 +17,10 @@ from runtime.loop.records import Episode
 from runtime.report import write_report
 from runtime.report.gallery import Pictures
 from runtime.trace.output import print_answer
+from runtime.trace.rows import DEMONSTRATION
 from runtime.trace.sparql import Answer, named_query
 from runtime.trace.store import TraceStore
-from runtime.trace.summary import demo_table, episode_summary
+from runtime.trace.summary import demo_table
 from runtime.worlds.episodes import EpisodeRunner
 from runtime.worlds.pictures import ADVICE, Cameras
 from runtime.worlds.world import world_of
@@ -39,10 +40,11 @@ def demonstrate(options: argparse.Namespace, *, drawing: bool) -> int:
     """Run, record and report; exit code 1 when a task was not accepted."""
     started = time.perf_counter()
     knowledge = load_knowledge(*options.ontology)
-    run = f"demo-{options.suite}-state{options.state}-seed{options.seed}"
+    run = options.run or f"demo-{options.suite}-state{options.state}-seed{options.seed}"
     shown: list[_Shown] = []
     answers: list[Answer] = []
-    with TraceStore(options.out / "store", knowledge.schema, run, ontology=options.ontology) as store:
+    where = options.out / "store"
+    with TraceStore(where, knowledge.schema, run, ontology=options.ontology, tags=options.tag) as store:
         try:
             for each in _episodes(options, knowledge, drawing=drawing):
                 store.add(each.episode)
@@ -56,9 +58,10 @@ def demonstrate(options: argparse.Namespace, *, drawing: bool) -> int:
     wall = time.perf_counter() - started
     accepted = sum(each.episode.accepted for each in shown)
     if options.format == "json":
-        told = [episode_summary(each.episode, knowledge.schema) for each in shown]
-        settled = sum(bool(task["accepted"] and task["settled"]) for task in told)
-        print_json({"tasks": told, "accepted": accepted, "settled": settled, "wall_s": round(wall, 2)})
+        told = [each.episode for each in shown]
+        settled = sum(bool(task.accepted and task.verification and task.verification.settled) for task in told)
+        record = {"tasks": told, "accepted": accepted, "settled": settled, "wall_s": round(wall, 2)}
+        print_json(DEMONSTRATION.of(record, knowledge.schema))
     else:
         _print(options, shown, knowledge, answers, wall)
     return CLEAN if accepted == len(shown) else FINDINGS

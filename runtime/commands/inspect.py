@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
-from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
 from runtime.commands.options import add_state, add_task, settled_words, start_options, uncertain_lines
+
+if TYPE_CHECKING:
+    from runtime.commands.tasks import DiagnosedTask, GroundedTask
 
 __all__ = ["DIAGNOSE", "GROUND"]
 
@@ -31,11 +34,12 @@ def _configure_diagnose(parser: argparse.ArgumentParser) -> None:
 def _ground(options: argparse.Namespace) -> int:
     from runtime.commands.tasks import ground  # noqa: PLC0415 - heavy imports wait for the command to run
     from runtime.loop.records import state_name  # noqa: PLC0415
+    from runtime.trace.rows import GROUNDING  # noqa: PLC0415
     from runtime.wording import amount  # noqa: PLC0415
 
     found = ground(options.task, ontology=options.ontology, **start_options(options))
     if options.format == "json":
-        print_json(asdict(found))
+        print_json({**GROUNDING.of(found), **_start(found)})
         return CLEAN
     lines = [f"{found.task}, {state_name(found.state)}, {settled_words(found.settle_steps)}"]
     for heading, facts in (("goal", found.facts), ("premise", found.premise)):
@@ -56,17 +60,22 @@ def _ground(options: argparse.Namespace) -> int:
     return CLEAN
 
 
+def _start(found: GroundedTask | DiagnosedTask) -> dict[str, Any]:
+    """How the state was settled, who says where its fixtures stand, and what hangs on that."""
+    return {"settle_steps": found.settle_steps, "fixtures": found.fixtures, "uncertain": list(found.uncertain)}
+
+
 def _diagnose(options: argparse.Namespace) -> int:
     from runtime.commands.tasks import diagnose  # noqa: PLC0415 - as above
     from runtime.loop.records import state_name  # noqa: PLC0415
+    from runtime.trace.rows import DIAGNOSES  # noqa: PLC0415
     from runtime.wording import amount  # noqa: PLC0415
 
     found = diagnose(options.task, ontology=options.ontology, **start_options(options))
     rows = found.diagnoses
     if options.format == "json":
-        about = {"settle_steps": found.settle_steps, "fixtures": found.fixtures, "uncertain": found.uncertain}
-        record = {"task": found.task, "state": found.state, **about, "diagnoses": [asdict(row) for row in rows]}
-        print_json(record | ({"alternatives": found.alternatives} if options.alternatives else {}))
+        shown = DIAGNOSES if options.alternatives else DIAGNOSES.pick("task", "state", "diagnoses")
+        print_json({**shown.of(found), **_start(found)})
         return FINDINGS if rows else CLEAN
     heading = f"{found.task}, {state_name(found.state)}, {settled_words(found.settle_steps)}"
     lines = [f"{heading}: {len(rows) or 'no'} unmet of {found.required} required"]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
 from runtime.commands.options import add_budget, add_state, add_task, settled_words, start_options, uncertain_lines
+from runtime.trace.options import add_identity
 
 __all__ = ["REPAIR"]
 
@@ -16,6 +17,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     add_task(parser)
     add_state(parser)
     add_budget(parser)
+    add_identity(parser)
     parser.add_argument(
         "--judge",
         choices=("native", "grounding"),
@@ -64,7 +66,8 @@ def _run(options: argparse.Namespace) -> int:
     settings = dict(episode.provenance)
     reason, steps, uncertain = settings.get("reason", ""), settings["start_settle_steps"], settings["uncertain"]
     if options.out is not None:
-        with TraceStore(options.out / "store", schema, "repair", ontology=options.ontology) as store:
+        run = options.run or "repair"
+        with TraceStore(options.out / "store", schema, run, ontology=options.ontology, tags=options.tag) as store:
             store.add(episode)
             store.export_trig(options.out / "trace.trig")
     if options.format == "json":

@@ -12,12 +12,12 @@ from numpy.typing import ArrayLike
 from grounding.observation import Observation
 from onto_compiler.required import Fact
 from onto_compiler.schema import Schema
-from onto_compiler.tables import SATISFIED, STATUSES
 from runtime.commands.opening import open_task, start_of
-from runtime.loop.diagnosis import by_distance, diagnose_goal, evidence_status, select
+from runtime.loop.diagnosis import by_distance, diagnose_goal, select
 from runtime.loop.records import Diagnosis, Episode
 from runtime.loop.routing import route
-from runtime.wording import atom, short_name, unit_of
+from runtime.trace.rows import OBSERVED, UNMET, Unmet, seen_facts
+from runtime.wording import atom
 
 __all__ = ["DiagnosedFact", "DiagnosedTask", "GroundedFact", "GroundedTask", "diagnose", "ground", "repair"]
 
@@ -172,21 +172,8 @@ def diagnose(
     first = select(found).index if found else -1
 
     def diagnosed(one: Diagnosis) -> DiagnosedFact:
-        return DiagnosedFact(
-            fact=atom(one.fact, schema),
-            predicate=short_name(one.fact.predicate, schema),
-            arguments=tuple(argument.name for argument in one.fact.arguments),
-            polarity=one.fact.polarity,
-            truth=one.truth,
-            status=schema.labels[one.status],
-            margin=one.margin,
-            unit=unit_of(one.fact, schema),
-            limit=one.limit,
-            failure=short_name(one.failure, schema),
-            route=short_name(route(one, knowledge, level=level).route, schema),
-            rule=schema.labels.get(one.rule, one.rule),
-            selected=one.index == first,
-        )
+        told = UNMET.of(Unmet(one, route(one, knowledge, level=level).route, one.index == first), schema)
+        return DiagnosedFact(**{**told, "arguments": tuple(told["arguments"]), "margin": one.margin})
 
     return DiagnosedTask(
         task=required.task,
@@ -229,24 +216,12 @@ def repair(
         episode = runner.run(start, given, settle=settle)
     if not proposers:
         return episode
-    return replace(episode, provenance=(*episode.provenance, ("proposers", dict(proposers))))
+    chosen = ((f"proposer of {route_name}", name) for route_name, name in proposers.items())
+    return replace(episode, provenance=(*episode.provenance, *chosen))
 
 
 def _grounded(facts: Sequence[Fact], observation: Observation, schema: Schema) -> tuple[GroundedFact, ...]:
-    statuses = [STATUSES[code] for code in evidence_status(facts, observation)]
+    rows = ((each, OBSERVED.of(each, schema)) for each in seen_facts(facts, observation))
     return tuple(
-        GroundedFact(
-            fact=atom(fact, schema),
-            predicate=short_name(fact.predicate, schema),
-            arguments=tuple(argument.name for argument in fact.arguments),
-            polarity=fact.polarity,
-            truth=bool(observation.truth[i]),
-            satisfied=statuses[i] == SATISFIED,
-            status=schema.labels[statuses[i]],
-            margin=float(observation.margin[i]),
-            unit=unit_of(fact, schema),
-            limit=observation.limit[i],
-            native=str(fact.native),
-        )
-        for i, fact in enumerate(facts)
+        GroundedFact(**{**told, "arguments": tuple(told["arguments"]), "margin": each.margin}) for each, told in rows
     )

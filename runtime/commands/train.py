@@ -36,7 +36,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     """Train; goes on where an earlier run stopped."""
-    import torch  # noqa: PLC0415 - it takes a second to import
+    from grounding.world_model.device import use_threads  # noqa: PLC0415 - torch takes a second to import
 
     unknown = [stage for stage in options.stages if stage not in STAGES]
     if unknown:
@@ -45,7 +45,7 @@ def _run(options: argparse.Namespace) -> int:
         message = "an encoder is chosen where the projection is made, and later stages read what that one reads"
         raise OntoError.of("CLI002", message, "leave --encoder out, or begin with `projection`")
     if options.threads:
-        torch.set_num_threads(options.threads)
+        use_threads(options.threads)
     folder = options.out or Path("out/models") / options.world / str(options.seed)
     commit = git(Path(__file__).parent, "rev-parse", "HEAD")
     asked = TrainingRequest(

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from grounding.observation import Observation
 from onto_compiler.required import Fact, RequiredABox
@@ -23,6 +24,7 @@ __all__ = [
     "Proposal",
     "RouteDecision",
     "Verification",
+    "state_digest",
     "state_name",
 ]
 
@@ -47,6 +49,11 @@ class Diagnosis:
     rule: str  # IRI of the rule that fired
     priority: int
     precondition: bool = False  # whether the goal asks for the fact only because another needs it first
+
+    @property
+    def key(self) -> tuple[bool, int]:
+        """Which fact of its required ABox it speaks of."""
+        return self.precondition, self.index
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +81,7 @@ class Proposal:
     proposer: str
     candidate: int
     qpos: NDArray[np.float64]
-    changed: tuple[int, ...]  # qpos addresses
+    changed: tuple[int, ...]  # qpos addresses, ascending
     note: str = ""
 
 
@@ -129,14 +136,15 @@ class Verification:
 class Attempt:
     """One turn of the loop; ``fault`` names a RunFault (a NaN, a crash), which is not an execution failure.
 
-    With neither an application nor a fault, the selected route had no candidate. An attempt at the level of plans
+    With neither an application nor a fault, the selected route had no candidate; with nothing ``selected``, what was
+    diagnosed was only observed, as where somebody else's policy acts. An attempt at the level of plans
     says which ``plan`` of the episode it was to better, and what was predicted of its proposal.
     """
 
     index: int
     observation: Observation
     diagnoses: tuple[Diagnosis, ...]
-    selected: RouteDecision
+    selected: RouteDecision | None = None
     application: Application | None = None
     verification: Verification | None = None
     fault: str = ""
@@ -168,6 +176,8 @@ class ExecutedPlan:
 class Episode:
     """A whole run of Algorithm 1 on one task and initial state, an official one or :data:`GIVEN`.
 
+    Suite, task, initial state (its number, or the digest of what was ``given``), seed, ``trial`` and ``tags`` tell the
+    episodes of a run apart: the trial counts what was recorded again under the same names, the tags are the caller's.
     ``outcome`` is one of ``retained``, ``verified``, ``accepted``, ``unresolved`` (the budget is spent),
     ``grounding_verifier_disagreement``, ``run_fault``.
     """
@@ -183,9 +193,12 @@ class Episode:
     attempts: tuple[Attempt, ...]
     final: Observation
     outcome: str
-    verification: Verification | None
-    provenance: tuple[tuple[str, Any], ...] = ()  # versions and seconds, as (name, value)
+    verification: Verification | None = None
+    provenance: tuple[tuple[str, Any], ...] = ()  # versions and seconds, as (name, value): text, numbers, truth values
     plans: tuple[ExecutedPlan, ...] = ()  # of a run that plans before it acts
+    trial: int = 0
+    tags: tuple[tuple[str, str], ...] = ()  # as (key, value), by key
+    given: str = ""  # digest of an initial state that is none of the official ones, see :func:`state_digest`
 
     @property
     def accepted(self) -> bool:
@@ -207,6 +220,11 @@ class Episode:
                 found.append(plans.pop(0))
             found.append(attempt)
         return (*found, *plans)
+
+
+def state_digest(state: ArrayLike) -> str:
+    """What tells one given initial state from another: twelve hexadecimal digits of the SHA-256 of its doubles."""
+    return sha256(np.ascontiguousarray(state, dtype="<f8").tobytes()).hexdigest()[:12]
 
 
 def state_name(index: int, word: str = "state") -> str:

@@ -1,20 +1,64 @@
-"""What may enter a trace: every record is held to the shapes before anything is written."""
+"""What may enter a trace: every record is held to the shapes before anything is written, and nothing is written over.
+
+An episode that came out exactly as one that is recorded under its names is not recorded again, so that a run can be
+resumed. One that came out differently stands beside it, as the next trial.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
-from pyoxigraph import NamedNode, Quad
+from pyoxigraph import NamedNode, Quad, Store
 
 from onto_compiler.problems import OntoError
-from onto_compiler.rdf import shorten
+from onto_compiler.rdf import RDF, TRACE, node, shorten
+from onto_compiler.schema import Schema
 from onto_compiler.shacl.graph import Term
 from onto_compiler.validator.records import Validator, problem_of
-from runtime.trace.names import RUNS
+from runtime.loop.records import Episode
+from runtime.trace.names import RUNS, iri_of
+from runtime.trace.read import read_episode
+from runtime.trace.write import episode_quads
 
-__all__ = ["refuse_invalid"]
+__all__ = ["admit", "is_recorded", "refuse_invalid", "tagged"]
 
 _FEW = 20  # problems that are told; one wrong number repeats itself in every record after it
+
+
+def admit(store: Store, validator: Validator, episode: Episode, schema: Schema, run: str) -> tuple[str, list[Quad]]:
+    """The IRI under which ``store`` is to hold ``episode``, and the statements that it does not hold already.
+
+    Raises:
+        OntoError: as :func:`refuse_invalid`.
+    """
+    while True:
+        iri, quads = iri_of(run, episode), list(episode_quads(episode, schema, run))
+        if not is_recorded(store, iri):
+            refuse_invalid(validator, quads)
+            return iri, quads
+        if set(quads) == _recorded(store, iri, schema, run):
+            return iri, []
+        episode = replace(episode, trial=episode.trial + 1)
+
+
+def tagged(episode: Episode, tags: Iterable[tuple[str, str]]) -> Episode:
+    """``episode`` with ``tags`` beside its own; of two values for one key the episode's own stands."""
+    return replace(episode, tags=tuple(sorted({**dict(tags), **dict(episode.tags)}.items())))
+
+
+def is_recorded(store: Store, iri: str) -> bool:
+    """Whether the episode is recorded, and thereby recorded whole."""
+    pattern = store.quads_for_pattern(node(iri), node(RDF + "type"), node(TRACE + "Episode"), None)
+    return next(pattern, None) is not None
+
+
+def _recorded(store: Store, iri: str, schema: Schema, run: str) -> set[Quad]:
+    """The statements of a recorded episode; none of one that cannot be read, from which every other differs."""
+    try:
+        return set(episode_quads(read_episode(store, iri), schema, run))
+    except OntoError:
+        return set()
 
 
 def refuse_invalid(validator: Validator, quads: Iterable[Quad]) -> None:

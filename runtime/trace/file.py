@@ -12,9 +12,8 @@ from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
 from onto_compiler.validator.records import record_validator
 from runtime.loop.records import Episode
-from runtime.trace.admission import refuse_invalid
+from runtime.trace.admission import admit, tagged
 from runtime.trace.store import FORMATS, dump
-from runtime.trace.write import episode_quads
 
 __all__ = ["require_format", "write_trace"]
 
@@ -29,9 +28,16 @@ def require_format(path: Path) -> None:
 
 
 def write_trace(
-    path: Path, runs: Iterable[tuple[str, Sequence[Episode]]], schema: Schema, ontology: Sequence[Path | str] = ()
+    path: Path,
+    runs: Iterable[tuple[str, Sequence[Episode]]],
+    schema: Schema,
+    ontology: Sequence[Path | str] = (),
+    *,
+    tags: Iterable[tuple[str, str]] = (),
 ) -> None:
-    """Write the episodes of each of ``runs`` to ``path``, in the format that its ending names.
+    """Write the episodes of each of ``runs``, with ``tags``, to ``path``, in the format that its ending names.
+
+    Of two episodes with the same names that came out differently the second is the next trial.
 
     Raises:
         OntoError: as :func:`require_format`; ``TRC001`` where it cannot be written; a shape's code where a record does
@@ -41,9 +47,7 @@ def write_trace(
     validator, store = record_validator(ontology), Store()
     for run, episodes in runs:
         for episode in episodes:
-            quads = list(episode_quads(episode, schema, run))
-            refuse_invalid(validator, quads)
-            store.extend(quads)
+            store.extend(admit(store, validator, tagged(episode, tags), schema, run)[1])
     packed = path.suffix == ".gz"
     data = dump(store, FORMATS[_ending(path)])
     try:

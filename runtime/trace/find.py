@@ -2,19 +2,34 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from urllib.parse import unquote
 
 from onto_compiler.problems import OntoError, near
+from runtime.trace.names import RUNS
 
-__all__ = ["find_episode", "title"]
+__all__ = ["find_episode", "title", "titles"]
 
 _FEW = 4
 
 
 def title(iri: str) -> str:
-    """``suite/task/state`` of an episode's IRI."""
+    """``suite/task/state/seed/trial`` of an episode's IRI."""
     return unquote(iri.partition("/episode/")[2])
+
+
+def titles(iris: Sequence[str]) -> dict[str, str]:
+    """A name for each of ``iris``, no two equal: its title, with the run before it where several runs have the same."""
+    often = Counter(map(title, iris))
+    names = {iri: title(iri) if often[title(iri)] == 1 else unquote(iri.removeprefix(RUNS)) for iri in iris}
+    often = Counter(names.values())
+    return {iri: name if often[name] == 1 else iri for iri, name in names.items()}
+
+
+def _spellings(name: str) -> tuple[str, str]:
+    """A name as it is, and with the bare number of its state: ``suite/task/3``."""
+    return name, name.replace("/state-", "/")
 
 
 def find_episode(wanted: str, iris: Sequence[str]) -> str:
@@ -32,17 +47,18 @@ def find_episode(wanted: str, iris: Sequence[str]) -> str:
         raise OntoError.of(
             "TRC006", f"there is no episode {wanted}", f"the trace numbers its episodes from 1 to {count}"
         )
-    names = {iri: title(iri) for iri in iris}
+    names, part = titles(iris), wanted.replace(" ", "_").casefold()
     for fits in (
         [iri for iri, name in names.items() if wanted in {iri, name}],
-        [iri for iri, name in names.items() if wanted in name.split("/")],
-        [iri for iri, name in names.items() if wanted.replace(" ", "_").casefold() in name.casefold()],
+        [iri for iri, name in names.items() if any(f"/{wanted}/" in f"/{each}/" for each in _spellings(name))],
+        [iri for iri, name in names.items() if any(part in each.casefold() for each in _spellings(name))],
     ):
         if len(fits) == 1:
             return fits[0]
         if fits:
             shown = ", ".join(f"`{names[iri]}`" for iri in fits[:_FEW]) + (" ..." if len(fits) > _FEW else "")
-            raise OntoError.of("TRC006", f"`{wanted}` fits {len(fits)} episodes", f"name one of {shown}")
-    tasks = {name.split("/")[-2] for name in names.values() if "/" in name}
+            hint = f"name one of {shown}, or give its number of `onto trace list`"
+            raise OntoError.of("TRC006", f"`{wanted}` fits {len(fits)} episodes", hint)
+    tasks = {part for name in map(title, iris) for part in name.split("/")[1:2]}
     hint = near(wanted, tasks) or "`onto trace list` lists the episodes"
     raise OntoError.of("TRC006", f"no episode is called `{wanted}`", hint)

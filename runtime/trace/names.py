@@ -1,14 +1,17 @@
 """IRIs of records, minted from the run and the index alone, and the individuals that stand for short words.
 
-The same run makes the same graph: no IRI holds a time, a counter of the process or a random number.
+An episode is told from others by its run, suite, task, initial state, seed, trial and tags. The same run makes the same
+graph: no IRI holds a time, a counter of the process or a random number.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from urllib.parse import quote
 
 from onto_compiler.rdf import BASE, CORE, TRACE
 from onto_compiler.tables import LEVELS
+from runtime.loop.records import GIVEN, Episode
 
 __all__ = [
     "ENDS",
@@ -18,8 +21,10 @@ __all__ = [
     "RUNS",
     "SOURCES",
     "episode_iri",
-    "inverse",
+    "file_name",
+    "iri_of",
     "run_iri",
+    "run_of",
 ]
 
 RUNS = BASE + "run/"
@@ -50,11 +55,37 @@ def run_iri(run: str) -> str:
     return RUNS + quote(run, safe="")
 
 
-def episode_iri(run: str, suite: str, task: str, state_index: int) -> str:
-    """The IRI of an episode, which is also the name of its own graph."""
-    return f"{run_iri(run)}/episode/{quote(suite, safe='')}/{quote(task, safe='')}/{state_index}"
+def run_of(episode: str) -> str:
+    """The IRI of the run that the episode with the IRI ``episode`` belongs to."""
+    return episode.partition("/episode/")[0]
 
 
-def inverse(table: dict[str, str]) -> dict[str, str]:
-    """From individuals back to words."""
-    return {iri: word for word, iri in table.items()}
+def episode_iri(
+    run: str,
+    suite: str,
+    task: str,
+    state_index: int,
+    seed: int = 0,
+    trial: int = 0,
+    *,
+    given: str = "",
+    tags: Iterable[tuple[str, str]] = (),
+) -> str:
+    """The IRI of an episode, which is also the name of its own graph: everything that tells episodes apart is in it."""
+    state = f"given-{given}" if state_index == GIVEN and given else f"state-{state_index}"
+    marks = "".join(f";{quote(key, safe='')}={quote(value, safe='')}" for key, value in sorted(tags))
+    names = "/".join(quote(name, safe="") for name in (suite, task))
+    return f"{run_iri(run)}/episode/{names}/{state}/seed-{seed}/trial-{trial}{marks}"
+
+
+def iri_of(run: str, episode: Episode) -> str:
+    """The IRI of ``episode`` as a part of ``run``."""
+    each = episode
+    return episode_iri(
+        run, each.suite, each.task, each.state_index, each.seed, each.trial, given=each.given, tags=each.tags
+    )
+
+
+def file_name(episode: str) -> str:
+    """A file name for what belongs to the episode with the IRI ``episode``, and to no other."""
+    return episode.removeprefix(RUNS).replace("/episode/", "/").replace("/", "-")

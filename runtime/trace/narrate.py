@@ -75,8 +75,7 @@ def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) ->
 
     With ``reasons``, each decision is followed by what led to it.
     """
-    suite = f"{episode.suite}, " if episode.suite else ""
-    yield f"{episode.task} ({suite}{state_name(episode.state_index, 'initial state')}, seed {episode.seed})"
+    yield f"{episode.task} ({', '.join(_names(episode))})"
     if episode.required.language:
         yield f"  Instruction: {episode.required.language}."
     if premise := premise_sentence(episode, schema):
@@ -97,6 +96,17 @@ def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) ->
     yield from _state("At the end", episode.required.facts, episode.final, schema)
 
 
+def _names(episode: Episode) -> Iterator[str]:
+    """What tells the episode from others of its task."""
+    if episode.suite:
+        yield episode.suite
+    yield state_name(episode.state_index, "initial state") + (f" {episode.given}" if episode.given else "")
+    yield f"seed {episode.seed}"
+    if episode.trial:
+        yield f"trial {episode.trial}"
+    yield from (f"{key} {value}" for key, value in episode.tags)
+
+
 def _choice(episode: Episode) -> str:
     number = len(episode.required.alternatives)
     return f", of which any of {number} alternatives will do" if number else ""
@@ -111,13 +121,15 @@ def chain(attempt: Attempt, schema: Schema, reasons: Reasons | None = None) -> I
         yield f'Diagnosis: {failure}, by the rule "{rule}", priority {diagnosis.priority}.'
         if reasons is not None:
             yield from (f"  {sentence}" for sentence in reasons.of_diagnosis(diagnosis))
-    yield _routed(attempt.selected, schema, several=len(attempt.diagnoses) > 1)
-    if reasons is not None:
-        told = (*reasons.of_selection(attempt), *reasons.of_route(attempt.selected))
-        yield from (f"  {sentence}" for sentence in told)
-    for diagnosis in attempt.diagnoses:
-        if diagnosis.precondition and repr(diagnosis) != repr(attempt.selected.diagnosis):
-            yield f"Before it, {atom(diagnosis.fact, schema)} should hold, and nothing has brought that about."
+    decision = attempt.selected
+    if decision is not None:
+        yield _routed(decision, schema, several=len(attempt.diagnoses) > 1)
+        if reasons is not None:
+            told = (*reasons.of_selection(attempt), *reasons.of_route(decision))
+            yield from (f"  {sentence}" for sentence in told)
+        for diagnosis in attempt.diagnoses:
+            if diagnosis.precondition and diagnosis.key != decision.diagnosis.key:
+                yield f"Before it, {atom(diagnosis.fact, schema)} should hold, and nothing has brought that about."
     yield from _came_of(attempt, schema)
     if attempt.verification is not None:
         yield _verified(attempt.verification)
@@ -129,6 +141,8 @@ def _came_of(attempt: Attempt, schema: Schema) -> Iterator[str]:
         yield from _imagined(attempt, schema)
     elif attempt.application is not None:
         yield _applied(attempt.application)
+    elif attempt.selected is None:
+        yield "Route: none was asked for; the state was only observed."
     elif not attempt.fault:
         yield f"Application: none, as `{short_name(attempt.selected.route, schema)}` had no candidate."
     if attempt.fault:
@@ -143,9 +157,10 @@ def _imagined(attempt: Attempt, schema: Schema) -> Iterator[str]:
     by = "" if application is None else f" of `{application.proposal.proposer}`"
     came = "takes the place of the best plan" if prediction.adopted else "is no better than the best plan"
     yield f"Proposal: a plan{by}, from {prediction.evaluations} candidates, {came}."
-    fact, index = attempt.selected.diagnosis.fact, attempt.selected.diagnosis.index
-    if attempt.selected.diagnosis.precondition:
+    chosen = None if attempt.selected is None else attempt.selected.diagnosis
+    if chosen is None or chosen.precondition:
         return  # ABoxes hold the goal's facts
+    fact, index = chosen.fact, chosen.index
     seen = prediction.observation
     margin, score = amount(float(seen.margin[index]), unit_of(fact, schema)), float(seen.score[index])
     word, sure = "holds" if seen.truth[index] else "does not hold", "" if isnan(score) else f", score {score:.2f}"

@@ -8,8 +8,10 @@ import os
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
 
 from pyoxigraph import RdfFormat
 from rich.box import SIMPLE_HEAD
@@ -21,7 +23,9 @@ from onto_compiler.command import CLEAN, print_json
 from onto_compiler.compile_schema import load_schema
 from onto_compiler.problems import OntoError
 from onto_compiler.wording import counted
+from runtime.loop.records import state_name
 from runtime.trace.find import find_episode
+from runtime.trace.names import RUNS, run_of
 from runtime.trace.narrate import narrate
 from runtime.trace.reasons import load_reasons
 from runtime.trace.sparql import Answer, Cell, csv_rows, named_queries, named_query, plain, words
@@ -34,11 +38,20 @@ _FORMATS = {"trig": RdfFormat.TRIG, "nquads": RdfFormat.N_QUADS, "jsonld": RdfFo
 _WIDTH = 80
 _GAP = 3  # between two columns
 _EPISODES = """
-SELECT ?episode ?suite ?task ?state ?outcome (COUNT(?attempt) AS ?attempts) WHERE {
-    ?episode a trace:Episode ; trace:suite ?suite ; trace:task ?task ; trace:stateIndex ?state ; trace:outcome ?ended .
-    ?ended skos:notation ?outcome .
-    OPTIONAL { ?attempt trace:inEpisode ?episode }
-} GROUP BY ?episode ?suite ?task ?state ?outcome"""
+SELECT ?episode ?suite ?task ?state ?given ?seed ?trial ?outcome (COUNT(DISTINCT ?attempt) AS ?attempts)
+    (GROUP_CONCAT(DISTINCT ?how ; separator = ", ") AS ?mode)
+    (GROUP_CONCAT(DISTINCT CONCAT(?key, "=", ?said) ; separator = ", ") AS ?tags) WHERE {
+    ?episode a trace:Episode .
+    OPTIONAL { ?episode trace:suite ?suite } OPTIONAL { ?episode trace:task ?task }
+    OPTIONAL { ?episode trace:stateIndex ?state } OPTIONAL { ?episode trace:givenState ?given }
+    OPTIONAL { ?episode trace:seed ?seed } OPTIONAL { ?episode trace:trial ?trial }
+    OPTIONAL { ?episode trace:outcome/skos:notation ?outcome }
+    OPTIONAL { ?episode trace:tag ?tag . ?tag trace:name ?key ; trace:value ?said }
+    OPTIONAL {
+        ?attempt trace:inEpisode ?episode .
+        OPTIONAL { ?attempt (trace:applied/trace:mode|trace:mode)/skos:notation ?how }
+    }
+} GROUP BY ?episode ?suite ?task ?state ?given ?seed ?trial ?outcome"""
 
 
 def query(options: argparse.Namespace, open_trace: Callable[[str | None], Trace]) -> int:
@@ -82,21 +95,37 @@ def _list_queries(shape: str) -> int:
 
 
 def listing(trace: Trace, shape: str) -> int:
-    """One line per episode, numbered in the order that ``show`` counts."""
-    found = {plain(row[0]): row[1:] for row in trace.query(_EPISODES).rows}
-    columns = ("number", "suite", "task", "state", "outcome", "attempts")
-    numbered = [(number, *map(plain, found[iri])) for number, iri in enumerate(trace.episodes(), 1)]
+    """One line per episode, numbered in the order that ``show`` counts, with everything that tells episodes apart."""
+    found = {row["episode"]: row for row in trace.query(_EPISODES).records()}
+    rows = [_listed(number, iri, found[iri]) for number, iri in enumerate(trace.episodes(), 1)]
     if shape == "json":
-        print_json([dict(zip(columns, row, strict=True)) for row in numbered])
+        print_json(rows)
     elif shape == "csv":
-        csv.writer(sys.stdout, lineterminator="\n").writerows([columns, *numbered])
+        columns = list(_listed(0, "", dict.fromkeys(_LISTED)))
+        csv.writer(sys.stdout, lineterminator="\n").writerows([columns, *(row.values() for row in rows)])
     else:
-        for number, suite, task, state, outcome, attempts in numbered:
-            tries = counted(int(str(attempts)), "attempt")
-            ended = str(outcome).replace("_", " ")
-            sys.stdout.write(f"{number:>4}  {task}\n      {suite}, state {state}: {ended}, {tries}\n")
-        _note(f"{counted(len(numbered), 'episode')} in {trace.source}")
+        for row in rows:
+            sys.stdout.write(f"{row['number']:>4}  {row['task']}\n      {_line(row)}\n")
+        _note(f"{counted(len(rows), 'episode')} in {trace.source}")
     return CLEAN
+
+
+_LISTED = ("suite", "task", "state", "given", "seed", "trial", "tags", "mode", "outcome", "attempts")
+
+
+def _listed(number: int, iri: str, found: Mapping[str, Any]) -> dict[str, Any]:
+    row = {"number": number, "run": unquote(run_of(iri).removeprefix(RUNS)), **{name: found[name] for name in _LISTED}}
+    return {**row, "trial": found["trial"] or 0, "mode": found["mode"] or "none"}
+
+
+def _line(row: Mapping[str, Any]) -> str:
+    """An episode's names and what came of it, in a line."""
+    state = "unknown" if row["state"] is None else state_name(row["state"])
+    names = [f"run {row['run']}", row["suite"], f"{state} {row['given'] or ''}".strip(), f"seed {row['seed']}"]
+    names += [f"trial {row['trial']}"] * bool(row["trial"]) + [row["tags"]] * bool(row["tags"])
+    ended = str(row["outcome"]).replace("_", " ")
+    tries = counted(int(row["attempts"]), "attempt")
+    return f"{', '.join(filter(None, map(str, names)))}: {ended}, {tries}, mode {row['mode']}"
 
 
 def show(trace: Trace, wanted: str, shape: str, ontology: Sequence[str]) -> int:

@@ -72,25 +72,13 @@ class Reasons:
     def of_attempt(self, attempt: Attempt) -> dict[str, Any]:
         """The reasons of one attempt as plain JSON values."""
         decision = attempt.selected
+        if decision is None:
+            return {"diagnoses": [self._found(each, selected=False) for each in attempt.diagnoses], "route": None}
         diagnosis = decision.diagnosis
         kind = self.kind(diagnosis.fact)
         eligible = self.eligible(diagnosis, decision.level)
         return {
-            "diagnoses": [
-                {
-                    "fact_index": each.index,
-                    "priority": each.priority,
-                    "precondition": each.precondition,
-                    "selected": (each.precondition, each.index) == (diagnosis.precondition, diagnosis.index),
-                    "status": local_name(each.status),
-                    "source": each.source,
-                    "limit": each.limit or None,
-                    "required_margin": each.fact.threshold,
-                    "required_at": _required_at(each.fact),
-                    "rule": self.rule(each.rule),
-                }
-                for each in attempt.diagnoses
-            ],
+            "diagnoses": [self._found(each, selected=each.key == diagnosis.key) for each in attempt.diagnoses],
             "route": {
                 "name": self._name(decision.route),
                 "iri": decision.route,
@@ -103,6 +91,20 @@ class Reasons:
                 "requested_level": decision.requested or None,
                 "also_eligible": [self._name(iri) for iri in eligible if iri != decision.route],
             },
+        }
+
+    def _found(self, diagnosis: Diagnosis, *, selected: bool) -> dict[str, Any]:
+        return {
+            "fact_index": diagnosis.index,
+            "priority": diagnosis.priority,
+            "precondition": diagnosis.precondition,
+            "selected": selected,
+            "status": local_name(diagnosis.status),
+            "source": diagnosis.source,
+            "limit": diagnosis.limit or None,
+            "required_margin": diagnosis.fact.threshold,
+            "required_at": _required_at(diagnosis.fact),
+            "rule": self.rule(diagnosis.rule),
         }
 
     # Sentences
@@ -119,9 +121,10 @@ class Reasons:
 
     def of_selection(self, attempt: Attempt) -> Iterator[str]:
         """Why one of several diagnoses was the one to act on."""
-        chosen, others = attempt.selected.diagnosis, len(attempt.diagnoses) - 1
-        if not others:
+        others = len(attempt.diagnoses) - 1
+        if not others or attempt.selected is None:
             return
+        chosen = attempt.selected.diagnosis
         ties = [each for each in attempt.diagnoses if each.priority == chosen.priority]
         rank = f"priority {chosen.priority} is the least"
         first = ", and of those with it this fact comes first" if len(ties) > 1 else ""

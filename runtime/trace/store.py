@@ -7,7 +7,7 @@ import gzip
 import io
 import shutil
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import TracebackType
@@ -16,16 +16,15 @@ from typing import Self
 from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, serialize
 
 from onto_compiler.problems import OntoError, Problem
-from onto_compiler.rdf import ALIGNED, PREFIXES, RDF, TRACE, node
+from onto_compiler.rdf import ALIGNED, PREFIXES, RDF
 from onto_compiler.schema import Schema
 from onto_compiler.validator.records import record_validator
 from runtime.loop.records import Episode
-from runtime.trace.admission import refuse_invalid
+from runtime.trace.admission import admit, is_recorded, tagged
 from runtime.trace.names import RUNS, episode_iri
 from runtime.trace.read import episode_iris, read_episode
 from runtime.trace.sparql import Answer, ask
 from runtime.trace.vocabulary import holds_vocabulary, refresh, vocabulary
-from runtime.trace.write import episode_quads
 
 __all__ = ["FORMATS", "Trace", "TraceStore", "dump", "newest_trace", "open_trace"]
 
@@ -47,14 +46,22 @@ class TraceStore:
     record that does not conform to the ontology's shapes is refused.
     """
 
-    def __init__(self, path: Path | str, schema: Schema, run: str, *, ontology: Sequence[Path | str] = ()) -> None:
-        """Open or create the store in the folder ``path``.
+    def __init__(
+        self,
+        path: Path | str,
+        schema: Schema,
+        run: str,
+        *,
+        ontology: Sequence[Path | str] = (),
+        tags: Iterable[tuple[str, str]] = (),
+    ) -> None:
+        """Open or create the store in the folder ``path``; every episode that is added gets ``tags`` beside its own.
 
         Raises:
             OntoError: TRC001, where the folder cannot be written or another process has it open; SHP002, where a shape
                 in ``ontology`` cannot run.
         """
-        self.path, self.schema, self.run = Path(path), schema, run
+        self.path, self.schema, self.run, self.tags = Path(path), schema, run, tuple(tags)
         self._validator = record_validator(ontology)
         try:
             self.path.mkdir(parents=True, exist_ok=True)
@@ -77,27 +84,35 @@ class TraceStore:
         # Oxigraph has no close: the lock on the folder goes with the last reference.
         self._store = Store()
 
-    def has(self, suite: str, task: str, state_index: int) -> bool:
-        """Whether the episode is recorded, and thereby recorded whole."""
-        iri = node(episode_iri(self.run, suite, task, state_index))
-        pattern = self._store.quads_for_pattern(iri, node(RDF + "type"), node(TRACE + "Episode"), iri)
-        return next(pattern, None) is not None
+    def has(
+        self,
+        suite: str,
+        task: str,
+        state_index: int,
+        seed: int = 0,
+        trial: int = 0,
+        *,
+        given: str = "",
+        tags: Iterable[tuple[str, str]] = (),
+    ) -> bool:
+        """Whether the run holds the episode of these names and the store's tags: what a resumed run need not repeat."""
+        marks = (*tags, *self.tags)
+        iri = episode_iri(self.run, suite, task, state_index, seed, trial, given=given, tags=marks)
+        return is_recorded(self._store, iri)
 
     def add(self, episode: Episode) -> str:
-        """Record ``episode`` in one transaction, in place of an earlier record of the same name; return its IRI.
+        """Record ``episode`` in one transaction and return its IRI.
+
+        Nothing is written over: an episode that is recorded already is not recorded twice, and one that came out
+        differently under the same names stands beside it, as the next trial.
 
         Raises:
             OntoError: TRC001, where the folder can no longer be written; a shape's code (ABX001 to ABX004, SHP001)
                 where a record does not conform, and then nothing is written.
         """
-        iri = episode_iri(self.run, episode.suite, episode.task, episode.state_index)
-        quads = list(episode_quads(episode, self.schema, self.run))
-        refuse_invalid(self._validator, quads)
+        iri, quads = admit(self._store, self._validator, tagged(episode, self.tags), self.schema, self.run)
         try:
-            if self.has(episode.suite, episode.task, episode.state_index):
-                self._store.update(_replacement(_graphs(self._store, iri), quads))
-            else:
-                self._store.extend(quads)
+            self._store.extend(quads)
         except OSError as error:
             raise _unwritable(self.path, error) from error
         return iri
@@ -204,23 +219,6 @@ def _run_quads(store: Store) -> Iterator[Quad]:
 def _order(quad: Quad) -> tuple[str, str, bool, str, str]:
     kind = str(quad.predicate)
     return str(quad.graph_name), str(quad.subject), kind != f"<{RDF}type>", kind, str(quad.object)
-
-
-def _graphs(store: Store, episode: str) -> list[str]:
-    """The named graphs of one recorded episode."""
-    graphs = [episode, *(f"{episode}/{part}" for part in ("required", "premise", "initial", "final"))]
-    for quad in store.quads_for_pattern(None, node(TRACE + "inEpisode"), node(episode), None):
-        if isinstance(quad.subject, NamedNode):
-            part = quad.subject.value
-            graphs += [part, part.replace("/attempt/", "/observed/"), f"{part}/predicted", f"{part}/simulated"]
-    return graphs
-
-
-def _replacement(graphs: Sequence[str], quads: Sequence[Quad]) -> str:
-    """A SPARQL update, hence one transaction, that puts ``quads`` in the place of ``graphs``."""
-    drops = [f"DROP SILENT GRAPH <{graph}>" for graph in graphs]
-    data = "\n".join(f"GRAPH {q.graph_name} {{ {q.subject} {q.predicate} {q.object} }}" for q in quads)
-    return " ;\n".join([*drops, f"INSERT DATA {{\n{data}\n}}"])
 
 
 def _open_folder(source: Path) -> Trace:

@@ -11,7 +11,8 @@ from rich.text import Text
 
 from onto_compiler.schema import Schema
 from onto_compiler.wording import counted
-from runtime.loop.records import Attempt, Diagnosis, Episode, ExecutedPlan, Verification, state_name
+from runtime.loop.records import Diagnosis, Episode, state_name
+from runtime.trace.rows import EPISODE_ROW, first_diagnoses, margin_after, routes_of
 from runtime.wording import amount, atom, short_name, unit_of
 
 __all__ = ["demo_table", "episode_summary", "first_diagnoses", "margin_after", "routes_of", "verdict"]
@@ -23,143 +24,13 @@ _STYLES = {"accepted": "green", "verified": "green", "retained": "cyan", "unreso
 
 def episode_summary(episode: Episode, schema: Schema) -> dict[str, Any]:
     """The record as plain JSON values: names are notations, an undefined margin is None, lengths are in metres."""
-    return {
-        "suite": episode.suite,
-        "task": episode.task,
-        "state": episode.state_index,
-        "seed": episode.seed,
-        "language": episode.required.language,
-        "required": [atom(fact, schema) for fact in episode.required.facts],
-        "premise_holds": episode.premise_holds,
-        "diagnoses": [_diagnosis(diagnosis, episode, schema) for diagnosis in first_diagnoses(episode)],
-        "attempts": len(episode.attempts),
-        "history": [_attempt(attempt, schema) for attempt in episode.attempts],
-        **({"plans": [_plan(plan, episode, schema) for plan in episode.plans]} if episode.plans else {}),
-        "outcome": episode.outcome,
-        "accepted": episode.accepted,
-        "judge": episode.judge,
-        "settled": None if episode.verification is None else episode.verification.settled,
-        "verification": _verification(episode.verification),
-        "provenance": dict(episode.provenance),
-    }
-
-
-def first_diagnoses(episode: Episode) -> tuple[Diagnosis, ...]:
-    """For each required fact that was ever diagnosed its first diagnosis, in the order of the required ABox.
-
-    Preconditions are left out: no observed ABox says what became of them.
-    """
-    found: dict[int, Diagnosis] = {}
-    for attempt in episode.attempts:
-        for diagnosis in attempt.diagnoses:
-            if not diagnosis.precondition:
-                found.setdefault(diagnosis.index, diagnosis)
-    return tuple(found[index] for index in sorted(found))
-
-
-def routes_of(episode: Episode, index: int) -> tuple[str, ...]:
-    """The IRIs of the routes to which required fact ``index`` was sent, one for each attempt that selected it."""
-    selected = [attempt.selected for attempt in episode.attempts]
-    return tuple(s.route for s in selected if s.diagnosis.index == index and not s.diagnosis.precondition)
-
-
-def margin_after(episode: Episode, index: int) -> float:
-    """The margin of required fact ``index`` in the last observation; NaN where none is defined."""
-    return float(episode.final.margin[index])
+    return EPISODE_ROW.of(episode, schema)
 
 
 def verdict(episode: Episode) -> str:
     """The outcome in a few words; that no native predicate was asked is one of them."""
     text = _VERDICTS.get(episode.outcome, episode.outcome)
     return f"{text} by grounding" if episode.accepted and episode.judge == "grounding" else text
-
-
-def _diagnosis(diagnosis: Diagnosis, episode: Episode, schema: Schema) -> dict[str, Any]:
-    routes = [short_name(route, schema) for route in routes_of(episode, diagnosis.index)]
-    return {
-        "predicate": short_name(diagnosis.fact.predicate, schema),
-        "arguments": [argument.name for argument in diagnosis.fact.arguments],
-        "polarity": diagnosis.fact.polarity,
-        "truth": diagnosis.truth,
-        "margin": _number(diagnosis.margin),
-        "margin_after": _number(margin_after(episode, diagnosis.index)),
-        "unit": unit_of(diagnosis.fact, schema),
-        "failure": short_name(diagnosis.failure, schema),
-        "route": routes[0] if routes else None,
-        "routes": routes,
-        "source": diagnosis.source,
-    }
-
-
-def _attempt(attempt: Attempt, schema: Schema) -> dict[str, Any]:
-    application = attempt.application
-    return {
-        "fact": atom(attempt.selected.diagnosis.fact, schema),
-        "failure": short_name(attempt.selected.diagnosis.failure, schema),
-        "route": short_name(attempt.selected.route, schema),
-        "decision": short_name(attempt.selected.decision, schema).lower(),
-        "proposer": application.proposal.proposer if application else None,
-        "candidate": application.proposal.candidate if application else None,
-        "mode": application.mode if application else None,
-        "steps": application.steps if application else None,
-        "end": (application.end or None) if application else None,
-        "reason": (application.reason or None) if application else None,
-        "note": (application.proposal.note or None) if application else None,
-        "verification": _verification(attempt.verification),
-        "fault": attempt.fault or None,
-        **_imagined(attempt),
-    }
-
-
-def _imagined(attempt: Attempt) -> dict[str, Any]:
-    """What was predicted of a proposal that was only imagined."""
-    prediction, diagnosis = attempt.prediction, attempt.selected.diagnosis
-    if prediction is None:
-        return {}
-    # ABoxes hold the goal's facts: of a precondition nothing is predicted.
-    margin = None if diagnosis.precondition else _number(float(prediction.observation.margin[diagnosis.index]))
-    return {
-        "plan": attempt.plan,
-        "evaluations": prediction.evaluations,
-        "adopted": prediction.adopted,
-        "predicted_margin": margin,
-    }
-
-
-def _plan(plan: ExecutedPlan, episode: Episode, schema: Schema) -> dict[str, Any]:
-    return {
-        "planner": plan.planner,
-        "evaluations": plan.evaluations,
-        "mode": plan.mode,
-        "steps": plan.steps,
-        "retained": None if plan.predicted is None else not plan.diagnoses,
-        "failures": [short_name(diagnosis.failure, schema) for diagnosis in plan.diagnoses],
-        "facts": [
-            {
-                "predicate": short_name(fact.predicate, schema),
-                "arguments": [argument.name for argument in fact.arguments],
-                "polarity": fact.polarity,
-                "truth": bool(plan.simulated.truth[i]),
-                "margin": _number(float(plan.simulated.margin[i])),
-                "unit": unit_of(fact, schema),
-                "predicted": bool(plan.predicted.truth[i]) if plan.predicted and plan.predicted.observed[i] else None,
-                "predicted_margin": None if plan.predicted is None else _number(float(plan.predicted.margin[i])),
-                "score": None if plan.predicted is None else _number(float(plan.predicted.score[i])),
-            }
-            for i, fact in enumerate(episode.required.facts)
-        ],
-        "verification": _verification(plan.verification),
-    }
-
-
-def _verification(verification: Verification | None) -> dict[str, Any] | None:
-    if verification is None:
-        return None
-    return {"query": verification.query, "outcome": verification.outcome, "settled": verification.settled}
-
-
-def _number(value: float) -> float | None:
-    return None if value != value else value  # noqa: PLR0124 - NaN differs from itself
 
 
 def demo_table(episodes: Sequence[Episode], schema: Schema) -> Table:

@@ -15,7 +15,7 @@ from onto_compiler.required import RequiredABox
 from runtime.loop.correction import CorrectionLoop
 from runtime.loop.diagnosis import satisfied
 from runtime.loop.proposer import Proposer
-from runtime.loop.records import GIVEN, Attempt, Episode
+from runtime.loop.records import GIVEN, Attempt, Episode, state_digest
 from runtime.worlds.environment import TaskEnvironment
 from runtime.worlds.required import required_of
 from runtime.worlds.world import TaskRef, World
@@ -77,12 +77,20 @@ class EpisodeRunner:
             OntoError: as :meth:`start`.
         """
         steps = self.start(state_index, state, settle=settle)
-        return self.correct(state_index, report, settled=steps)
+        given = "" if state is None else state_digest(state)
+        return self.correct(state_index, report, given=given, settled=steps)
 
     def correct(
-        self, state_index: int, report: Callable[[Attempt], None] | None = None, *, settled: int | None = None
+        self,
+        state_index: int,
+        report: Callable[[Attempt], None] | None = None,
+        *,
+        given: str = "",
+        settled: int | None = None,
     ) -> Episode:
         """Run the loop on the present state, which :meth:`start` left after ``settled`` control steps.
+
+        ``given`` is the digest of a state of your own.
 
         Raises ``RUN004`` where the world's failures are corrected in plans.
         """
@@ -120,6 +128,7 @@ class EpisodeRunner:
                 *((("start_lost_settling", correction.lost.settle_steps),) if correction.lost else ()),
                 *((("reason", correction.reason),) if correction.reason else ()),
             ),
+            given=given,
         )
 
     def start(self, state_index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import isnan
 from typing import Any
 
 import mujoco
 
-from grounding.observation import Observation
+from grounding.observation import Observation, stack
 from grounding.scenes import Scene
 from grounding.sim import SimGrounder
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import Schema
-from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.loop.diagnosis import diagnose_goal, evidence_status, unmet
+from runtime.loop.diagnosis import diagnose_goal, unmet
 from runtime.loop.routing import route
-from runtime.wording import short_name, unit_of
+from runtime.trace.rows import OBSERVED, UNMET, Unmet, seen_facts
 
 __all__ = ["FactReporter", "GoalReport", "fact_rows"]
 
@@ -55,16 +53,10 @@ class FactReporter:
         observation = self._goal.observe(data, step)
         failures = tuple(
             {
-                **self._constant[found.index],
-                "truth": found.truth,
-                "status": knowledge.schema.labels[found.status],
-                "margin": _number(found.margin),
-                "limit": found.limit,
-                "failure": short_name(found.failure, knowledge.schema),
-                "route": short_name(route(found, knowledge, level=self._level).route, knowledge.schema),
-                "rule": knowledge.schema.labels.get(found.rule, found.rule),
+                **self._constant[each.index],
+                **_FAILURE.of(Unmet(each, route(each, knowledge, level=self._level).route), knowledge.schema),
             }
-            for found in diagnose_goal(required, observation, knowledge.tables)
+            for each in diagnose_goal(required, observation, knowledge.tables)
         )
         return GoalReport(
             observation,
@@ -84,30 +76,17 @@ class FactReporter:
         )
 
 
+# What of a row is worked out once for a scene, and what of every state.
+_KNOWN = OBSERVED.pick("predicate", "arguments", "polarity", "unit")
+_SEEN = OBSERVED.pick("truth", "satisfied", "status", "margin", "limit")
+_FAILURE = UNMET.pick("truth", "status", "margin", "limit", "failure", "route", "rule")
+
+
 def fact_rows(facts: Sequence[Fact], observation: Observation, schema: Schema) -> Iterator[Row]:
     """What changes from state to state of each fact's row: truth, satisfaction, status, margin and its limit."""
-    for i, code in enumerate(evidence_status(facts, observation)):
-        yield {
-            "truth": bool(observation.truth[i]),
-            "satisfied": STATUSES[code] == SATISFIED,
-            "status": schema.labels[STATUSES[code]],
-            "margin": _number(observation.margin[i]),
-            "limit": observation.limit[i],
-        }
+    return (_SEEN.of(each, schema) for each in seen_facts(facts, observation))
 
 
 def _constants(facts: Sequence[Fact], schema: Schema) -> tuple[Row, ...]:
-    return tuple(
-        {
-            "predicate": short_name(fact.predicate, schema),
-            "arguments": tuple(argument.name for argument in fact.arguments),
-            "polarity": fact.polarity,
-            "unit": unit_of(fact, schema),
-        }
-        for fact in facts
-    )
-
-
-def _number(margin: float) -> float | None:
-    """None for an undefined margin: NaN differs from itself, and infos are compared."""
-    return None if isnan(margin) else float(margin)
+    rows = (_KNOWN.of(each, schema) for each in seen_facts(facts, stack("sim", 0, [None] * len(facts))))
+    return tuple({**row, "arguments": tuple(row["arguments"])} for row in rows)

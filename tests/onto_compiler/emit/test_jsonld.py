@@ -8,11 +8,12 @@ from rdflib import RDF, RDFS, Graph, Literal, Namespace, URIRef
 from rdflib.collection import Collection
 from rdflib.compare import isomorphic
 
-from onto_compiler.commands import abox_record
+from onto_compiler.compiled_rows import REQUIRED_ABOX_ROW
 from onto_compiler.emit.jsonld import emit
-from onto_compiler.emit.records import DOCUMENTS, RECORDS, TYPE
 from onto_compiler.emit.tbox import read_tbox
 from onto_compiler.rdf import BASE, CORE, MAN, TRACE
+from onto_compiler.record.described import described
+from onto_compiler.record.rows import TYPE
 from runtime.trace.summary import episode_summary
 from tests.runtime.trace.samples import accepted, all_samples, unresolved
 from tests.strategies import SCHEMA
@@ -47,7 +48,7 @@ def test_every_property_is_declared_by_the_ontology(context):
 
 @pytest.mark.parametrize("sample", all_samples(), ids=lambda sample: sample.outcome)
 def test_two_readers_of_json_ld_find_the_same_statements(sample, context):
-    compiled = {"tasks": [abox_record(sample.required)], "problems": []}
+    compiled = {"tasks": [REQUIRED_ABOX_ROW.of(sample.required)], "problems": []}
     for record in ({"@id": str(THIS), **episode_summary(sample, SCHEMA)}, compiled):
         text = json.dumps({**context, **record})
         triples = [quad.triple for quad in parse(text.encode(), format=RdfFormat.JSON_LD)]
@@ -99,7 +100,7 @@ def test_the_words_of_an_episode_are_read_whole(sample, context):
 
 
 def test_a_required_abox_reads_with_typed_arguments(context):
-    record = {"tasks": [abox_record(unresolved().required)], "problems": []}
+    record = {"tasks": [REQUIRED_ABOX_ROW.of(unresolved().required)], "problems": []}
     graph = read(context, record)
     (abox,) = graph.subjects(T.task)
     (fact,) = graph.objects(abox, T.memberFact)
@@ -125,8 +126,8 @@ def test_a_grounding_reads_with_its_status(context):
         "native": "On(a, b)",
     }
     record = {"suite": "s", "task": "t", "state": 1, "facts": [fact], "premise": [], "native_success": False}
-    assert set(record) == set(RECORDS["Grounding"].fields)
-    assert set(fact) == set(RECORDS["ObservedFact"].fields)
+    assert set(record) == set(described().rows["Grounding"].columns)
+    assert set(fact) == set(described().rows["ObservedFact"].columns)
     graph = read(context, record)
     (seen,) = graph.objects(None, T.memberFact)
     assert graph.value(seen, C.status) == C.ExplicitlyFalse
@@ -137,7 +138,8 @@ def test_a_grounding_reads_with_its_status(context):
 def test_terms_of_the_table_are_declared():
     tbox = read_tbox()
     declared = {*tbox.declared("ObjectProperty", "DatatypeProperty", "AnnotationProperty"), str(RDFS.label)}
-    terms = {field.term for record in RECORDS.values() for field in record.fields.values()} - {"", TYPE, "@graph"}
+    rows = described().rows
+    terms = {column.term for row in rows.values() for column in row.columns.values()} - {"", TYPE, "@graph"}
     assert len(terms) > 25
     assert terms <= declared
-    assert set(DOCUMENTS) <= set(RECORDS)
+    assert set(described().documents) <= set(rows)

@@ -9,7 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from onto_compiler.command import CLEAN, FINDINGS
-from onto_compiler.commands import abox_record
+from onto_compiler.compiled_rows import REQUIRED_ABOX_ROW
 from onto_compiler.emit.jsonschema import emit
 from onto_compiler.emit.tbox import read_tbox
 from runtime.cli import main
@@ -51,7 +51,7 @@ def test_every_recorded_episode_is_valid(schema):
     assert len(samples) >= 7
     for episode in samples:
         validator(schema, "Episode").validate(plain(episode_summary(episode, SCHEMA)))
-        validator(schema).validate(plain({"tasks": [abox_record(episode.required)], "problems": []}))
+        validator(schema).validate(plain({"tasks": [REQUIRED_ABOX_ROW.of(episode.required)], "problems": []}))
 
 
 def test_what_onto_compile_prints_is_valid(schema, capsys):
@@ -151,7 +151,7 @@ def test_a_mutated_episode_is_refused(path, value, schema):
     ],
 )
 def test_a_mutated_required_abox_is_refused(path, value, schema):
-    record = plain(abox_record(accepted().required))
+    record = plain(REQUIRED_ABOX_ROW.of(accepted().required))
     whole = validator(schema, "RequiredABox")
     assert whole.is_valid(copy.deepcopy(record))
     edit(path, value)(record)

@@ -70,7 +70,7 @@ def test_grounding_accepts_where_it_is_asked_to_and_everything_says_so(capsys, m
     record = json.loads(out)
     assert code == CLEAN
     assert (record["accepted"], record["settled"], record["judge"]) == (True, True, "grounding")
-    (episode,) = [open_trace(tmp_path / "store").load(iri) for iri in open_trace(tmp_path / "store").episodes()]
+    (episode,) = [open_trace(tmp_path / "store").episode(iri) for iri in open_trace(tmp_path / "store").episodes()]
     assert episode.judge == "grounding"
     assert outcome_sentence(episode).endswith("No native predicate was asked.")
     assert verdict(episode) == "accepted by grounding"

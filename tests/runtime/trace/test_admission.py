@@ -60,7 +60,7 @@ def test_a_diagnosis_that_does_not_keep_its_fact_whole_is_refused(tmp_path, fact
     problems = refused(tmp_path, with_diagnosis(samples.accepted(), fact=fact))
     (preserved,) = [problem for problem in problems if problem.code == "ABX002"]
     assert "attempt/0/diagnosis/0" in preserved.message
-    assert "shape:Diagnosis" in preserved.message
+    assert "shape:ArgumentPreservation" in preserved.message
     assert preserved.hint
 
 

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from pyoxigraph import NamedNode, RdfFormat, Store, serialize
 
 from onto_compiler.rdf import CORE, PREFIXES, RDF, SKOS
-from runtime.trace.names import ENDS, LEVELS, MODES, OUTCOMES, SOURCES, episode_iri
+from runtime.trace.names import ENDS, LEVELS, MODES, OUTCOMES, SOURCES, iri_of
 from runtime.trace.read import read_episode
 from runtime.trace.store import dump
 from runtime.trace.vocabulary import vocabulary
@@ -24,7 +24,7 @@ law = settings(max_examples=60, deadline=None, suppress_health_check=[HealthChec
 
 
 def _iri(episode):
-    return episode_iri(RUN, episode.suite, episode.task, episode.state_index)
+    return iri_of(RUN, episode)
 
 
 @law

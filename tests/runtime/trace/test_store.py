@@ -5,11 +5,15 @@ from __future__ import annotations
 import gzip
 import subprocess
 import sys
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from pyoxigraph import NamedNode, RdfFormat
 
 from onto_compiler.problems import OntoError
+from runtime.loop.records import GIVEN, state_digest
+from runtime.trace import admission
 from runtime.trace import store as module
 from runtime.trace.store import TraceStore, dump, newest_trace, open_trace
 from tests.runtime.trace import samples
@@ -42,42 +46,80 @@ def test_what_was_added_is_there_after_reopening(tmp_path):
 def test_has_knows_exactly_the_recorded_episodes(tmp_path):
     with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store:
         episode = samples.accepted()
-        key = (episode.suite, episode.task, episode.state_index)
+        key = (episode.suite, episode.task, episode.state_index, episode.seed)
         assert not store.has(*key)
         store.add(episode)
         assert store.has(*key)
-        assert not store.has(episode.suite, episode.task, 1)
+        assert not store.has(episode.suite, episode.task, 1, episode.seed)
+        assert not store.has(*key[:3], seed=episode.seed + 1)
+        assert not store.has(*key, trial=1)
+        assert not store.has(*key, tags=[("light", "dim")])
     with TraceStore(tmp_path / "store", samples.SCHEMA, "other") as store:
         assert not store.has(*key)
 
 
-def test_adding_again_replaces_the_whole_episode(tmp_path):
+def test_what_came_out_differently_stands_beside_what_was_recorded(tmp_path):
+    shorter = replace(samples.accepted(), attempts=(), outcome="unresolved")
     with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store:
-        store.add(samples.accepted())
-        shorter = samples.episode(
-            "put_the_bowl_on_the_plate",
-            (samples.ON,),
-            samples.observed(None),
-            (),
-            samples.observed(None),
-            outcome="unresolved",
-        )
-        iri = store.add(shorter)
-        assert store.episodes() == (iri,)
-        assert plain(store.episode(iri)) == plain(shorter)
-        left = store.query("SELECT DISTINCT ?g { GRAPH ?g { ?s ?p ?o } FILTER CONTAINS(STR(?g), '/attempt/') }")
-        assert left.rows == ()
+        first = store.add(samples.accepted())
+        second = store.add(shorter)
+        assert (first, second) == store.episodes()
+        assert plain(store.episode(first)) == plain(samples.accepted())
+        assert plain(store.episode(second)) == plain(replace(shorter, trial=1))
+
+
+def test_a_resumed_run_does_not_duplicate_what_it_records_again(tmp_path):
+    for _ in range(2):
+        with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store:
+            iris = [store.add(episode) for episode in samples.all_samples()]
+            before = len(store._store)
+            assert [store.add(episode) for episode in samples.all_samples()] == iris
+            assert len(store._store) == before
+            assert set(iris) == set(store.episodes())
+    again = replace(samples.accepted(), outcome="unresolved")
+    with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store:
+        assert store.add(again) == store.add(again)
+        assert len(store.episodes()) == len(iris) + 1
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"seed": 8}, {"state_index": 1}, {"state_index": -1, "given": "0123456789ab"}, {"tags": (("light", "dim"),)}],
+    ids=lambda changes: next(iter(changes)),
+)
+def test_episodes_of_other_names_are_other_episodes(tmp_path, changes):
+    one, other = samples.accepted(), replace(samples.accepted(), **changes)
+    with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store:
+        iris = [store.add(one), store.add(other)]
+        assert len(set(iris)) == 2
+        assert [plain(store.episode(iri)) for iri in iris] == [plain(one), plain(other)]
+
+
+def test_three_given_states_are_three_episodes(tmp_path):
+    digests = {state_digest(np.arange(5.0) + shift) for shift in range(3)}
+    assert len(digests) == 3
+    with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store:
+        for digest in digests:
+            store.add(replace(samples.accepted(), state_index=GIVEN, given=digest))
+        assert {store.episode(iri).given for iri in store.episodes()} == digests
+
+
+def test_the_tags_of_a_store_are_those_of_its_episodes(tmp_path):
+    with TraceStore(tmp_path / "store", samples.SCHEMA, RUN, tags=[("light", "dim"), ("arm", "panda")]) as store:
+        iri = store.add(samples.accepted())
+        assert store.episode(iri).tags == (("arm", "panda"), ("light", "dim"))
+        assert iri.endswith("/trial-0;arm=panda;light=dim")
 
 
 def test_an_episode_that_cannot_be_written_leaves_nothing(tmp_path, monkeypatch):
-    real = module.episode_quads
+    real = admission.episode_quads
 
     def broken(*arguments):
         yield next(real(*arguments))
         raise ValueError("in the middle")
 
     with TraceStore(tmp_path / "store", samples.SCHEMA, RUN) as store:
-        monkeypatch.setattr(module, "episode_quads", broken)
+        monkeypatch.setattr(admission, "episode_quads", broken)
         with pytest.raises(ValueError, match="in the middle"):
             store.add(samples.accepted())
         assert store.episodes() == ()

@@ -8,6 +8,7 @@ from pathlib import Path
 from onto_compiler.command import Command, add_format, add_ontology
 from onto_compiler.problems import OntoError
 from runtime.commands.options import add_state, add_task
+from runtime.trace.options import add_identity
 
 __all__ = ["PLAY"]
 
@@ -17,6 +18,7 @@ _FILMS = (".html", ".jpg", ".png")
 def _configure(parser: argparse.ArgumentParser) -> None:
     add_task(parser)
     add_state(parser)
+    add_identity(parser)
     parser.add_argument("--look-ahead", action="store_true", help="rehearse each decision in a fork of the simulation")
     parser.add_argument(
         "--horizon", type=_steps, metavar="N", help="control steps that it may take (default: the suite's)"

@@ -20,8 +20,8 @@ from onto_compiler.schema import Schema
 from onto_compiler.wording import counted
 from runtime.commands.opening import start_of
 from runtime.commands.options import chosen_state, settled_words
-from runtime.loop.records import GIVEN
 from runtime.report.filmstrip import moments, write_film
+from runtime.trace.names import file_name
 from runtime.trace.narrate import narrate
 from runtime.trace.store import TraceStore
 from runtime.trace.summary import episode_summary
@@ -89,16 +89,15 @@ def _stage(options: argparse.Namespace, knowledge: Knowledge) -> Iterator[Episod
 
 
 def _store(options: argparse.Namespace, schema: Schema) -> TraceStore:
-    return TraceStore(options.out / "store", schema, "play", ontology=options.ontology)
+    run = options.run or "play"
+    return TraceStore(options.out / "store", schema, run, ontology=options.ontology, tags=options.tag)
 
 
 def _record(out: Path, store: TraceStore, performance: EpisodeRecord) -> None:
     """Write the trace, and beside it the actions: what a replay needs."""
-    episode = performance.episode
-    store.add(episode)
+    iri = store.add(performance.episode)
     store.export_trig(out / "trace.trig")
-    start = "given" if episode.state_index == GIVEN else episode.state_index
-    path = out / "actions" / f"{episode.suite or 'task'}-{episode.task}-{start}.npz"
+    path = out / "actions" / f"{file_name(iri)}.npz"
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         np.savez_compressed(path, actions=performance.actions, bounds=performance.bounds, qpos=performance.qpos)

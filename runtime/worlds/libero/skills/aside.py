@@ -15,9 +15,10 @@ from runtime.worlds.libero.skills.heights import CELL, relief_of, underside
 from runtime.worlds.libero.skills.place import Spot
 from runtime.worlds.libero.skills.world import World
 
-__all__ = ["free_spots"]
+__all__ = ["Way", "free_spots"]
 
 Array = NDArray[np.float64]
+Way = tuple[Array, Array]  # from and to, (2,) each, in the world
 
 AWAY = np.arange(0.08, 0.5, 0.03)  # metres from where the object is
 TURNS = np.arange(16) * np.pi / 8
@@ -25,14 +26,16 @@ GAP = 0.03  # metres on all sides, for the fingers
 AROUND = 0.75  # metres from the object that are looked at
 EVEN = 0.005  # metres of height that a surface may vary by
 BORNE = 0.025  # metres from the rim to the next point of the surface
+ROOM = 0.07  # metres between a way and what stands beside it: half of another object, or of the hand
+BEHIND = 0.2  # metres
 RIM = np.arange(8) * np.pi / 4
 
 
-def free_spots(world: World, entity: str, holds: Callable[[Pose], bool], avoid: Sequence[str] = ()) -> list[Spot]:
+def free_spots(world: World, entity: str, holds: Callable[[Pose], bool], ways: Sequence[Way] = ()) -> list[Spot]:
     """Where ``entity`` can stand on the table or floor with nothing beside or over it, the nearest first.
 
-    ``holds`` says whether the required fact is true with the object at a pose. What lies in the way of a region of
-    ``avoid``, sites of the table or floor, is left out unless there is nothing else.
+    ``holds`` says whether the required fact is true with the object at a pose. What lies near one of ``ways``, which
+    other objects are yet to be brought along, or where the hand pushes from, is left out unless there is nothing else.
     """
     body = world.pose(entity)
     upright = level(body.rotation, np.pi / 2)
@@ -49,7 +52,7 @@ def free_spots(world: World, entity: str, holds: Callable[[Pose], bool], avoid: 
             found.append(Spot(Pose(np.array([*over, height]), upright), float(away)))
     top = max((spot.pose.position[2] for spot in found), default=0.0)
     found = [spot for spot in found if spot.pose.position[2] > top - EVEN and holds(spot.pose)]
-    clear = [spot for spot in found if not any(_covers(world, site, spot, radius) for site in avoid)]
+    clear = [spot for spot in found if all(_apart(spot, way) > radius + ROOM for way in ways)]
     return clear or found
 
 
@@ -87,8 +90,10 @@ def _is_free(things: Array, over: Array, radius: float) -> bool:
     return bool((np.linalg.norm(things[:, :2] - over, axis=1) > radius).all())
 
 
-def _covers(world: World, site: str, spot: Spot, radius: float) -> bool:
-    """Whether a disc of that radius around ``spot`` meets the rectangle of a site, seen from above."""
-    frame, half = world.site_pose(site), world.site_half(site)
-    local = np.abs(frame.rotation.T @ (spot.pose.position - frame.position))[:2]
-    return bool(np.linalg.norm(np.maximum(local - half[:2], 0.0)) < radius)
+def _apart(spot: Spot, way: Way) -> float:
+    """Metres from ``spot`` to a way that begins ``BEHIND`` its start, seen from above."""
+    start, end = way
+    length = max(float(np.linalg.norm(end - start)), 1e-9)
+    along, away = (end - start) / length, spot.pose.position[:2] - start
+    part = np.clip(away @ along, -BEHIND, length)
+    return float(np.linalg.norm(away - part * along))

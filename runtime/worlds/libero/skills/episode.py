@@ -22,7 +22,16 @@ from onto_compiler.schema import local_name
 from onto_compiler.tables import FIRST, REPEAT
 from runtime.loop.diagnosis import diagnose_goal, satisfied, unmet
 from runtime.loop.faults import RunFault
-from runtime.loop.records import Application, Attempt, Diagnosis, Episode, Proposal, RouteDecision, Verification
+from runtime.loop.records import (
+    Application,
+    Attempt,
+    Diagnosis,
+    Episode,
+    Proposal,
+    RouteDecision,
+    Verification,
+    state_digest,
+)
 from runtime.loop.routing import route_or_none
 from runtime.worlds.environment import settling
 from runtime.worlds.libero.loop.environment import PREMISE_STEPS
@@ -153,6 +162,7 @@ class EpisodePlayer:
             outcome=outcome,
             verification=verification,
             provenance=(*versions().items(), *settings.items()),
+            given="" if state is None else state_digest(state),
         )
         actions = played.actions[: self.replay.steps]
         return EpisodeRecord(episode, actions, np.array(take.qpos), tuple(take.bounds))
@@ -274,10 +284,11 @@ class _NativeRun:
     def _routed(self, selected: Diagnosis, taken: str | None = None) -> RouteDecision | None:
         """A retry after a rejection of the same fact, else a dispatch; to the route ``taken``, where that is known."""
         asked: list[tuple[str, str | None]] = [(FIRST, None)]
-        before = [each.selected for each in self.attempts if _key(each.selected.diagnosis) == _key(selected)]
+        routed = [each.selected for each in self.attempts if each.selected is not None]
+        before = [each for each in routed if each.diagnosis.key == selected.key]
         if before:
             # A rejected attempt on this fact that others have followed counts only where no dispatch went this way.
-            asked.insert(0 if before[-1] is self.attempts[-1].selected else 1, (REPEAT, before[-1].route))
+            asked.insert(0 if before[-1] is routed[-1] else 1, (REPEAT, before[-1].route))
         for status, previous in asked:
             decision = route_or_none(selected, self.stage.knowledge, status, previous, level="action")
             if decision is not None and (taken is None or local_name(decision.route) == taken):
@@ -286,13 +297,9 @@ class _NativeRun:
 
     def _proposal(self, each: SkillAttempt, decision: RouteDecision) -> Proposal:
         name = self.stage.knowledge.schema.routes[decision.route].name
-        key = (*_key(decision.diagnosis), decision.route)
+        key = (*decision.diagnosis.key, decision.route)
         self.offered[key] += 1
         return Proposal(name, self.stage.maker, self.offered[key] - 1, np.empty(0), (), each.note)
-
-
-def _key(diagnosis: Diagnosis) -> tuple[bool, int]:
-    return diagnosis.precondition, diagnosis.index
 
 
 def _differs(how: str) -> OntoError:

@@ -80,7 +80,7 @@ class Carrying:
     def _leaving(self, request: SkillRequest, place: PlacementTarget) -> Iterator[SkillCandidate]:
         """Pairs of a grasp and a free spot, for a relation that must not hold."""
         holds = request.holds or (lambda _: True)
-        for plan in leaving(request.world, request.reach, place, holds, request.tried, request.avoid):
+        for plan in leaving(request.world, request.reach, place, holds, request.tried, request.ways):
             away = 1000 * plan.spot.cost
             note = f"grasp {1000 * plan.grasp.width:.0f} mm wide, set aside {away:.0f} mm away"
             yield SkillCandidate(lambda w, _, plan=plan: transfer(w, plan), (plan.grasp.pose,), note)  # type: ignore[misc]

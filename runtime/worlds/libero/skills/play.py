@@ -25,7 +25,7 @@ from runtime.loop.diagnosis import satisfied, unmet
 from runtime.loop.faults import RunFault
 from runtime.loop.records import RouteDecision
 from runtime.loop.routing import route_or_none
-from runtime.worlds.libero.scene.targets import slot_of
+from runtime.worlds.libero.scene.targets import place_of, slot_of
 from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
 from runtime.worlds.libero.simulator.simulation import Simulation
@@ -282,13 +282,20 @@ class Player:
     def _request(self, world: World, reach_: Reach, step: GoalStep, tried: Sequence[Pose]) -> SkillRequest:
         sharing = slot_of(self.required, step.fact)[1]
         holds = self._holds(world, step)
-        return SkillRequest(world, reach_, step.fact, self.knowledge.schema, holds, tried, sharing, self._regions())
+        return SkillRequest(
+            world, reach_, step.fact, self.knowledge.schema, holds, tried, sharing, self._ways(world, step)
+        )
 
-    def _regions(self) -> tuple[str, ...]:
-        """The regions of the table or floor that the goal speaks of."""
-        index, facts = self.scene.index, self.required.facts
-        names = dict.fromkeys(name for fact in facts for name in fact.native.arguments if index.is_site(name))
-        return tuple(name for name in names if index.site_parent(name) is None)
+    def _ways(self, world: World, step: GoalStep) -> tuple[tuple[Array, Array], ...]:
+        """From where other objects are to where the goal wants them, seen from above."""
+        ways = []
+        for fact in self.required.facts:
+            place = place_of(self.scene.index, fact)
+            if place is None or not fact.polarity or place.subject == step.fact.native.arguments[0]:
+                continue
+            goal = world.pose(str(place.parent)) if place.site is None else world.site_pose(place.site)
+            ways.append((world.pose(place.subject).position[:2], goal.position[:2]))
+        return tuple(ways)
 
     def _holds(self, world: World, step: GoalStep) -> Callable[[Pose], bool]:
         """Whether the fact would be true with its first argument at a pose, everything else as it is.

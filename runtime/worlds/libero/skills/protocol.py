@@ -24,7 +24,7 @@ class SkillRequest:
 
     ``holds`` says whether the fact would be true with its first argument at a pose, or is None where nothing can tell.
     ``tried`` are the grasps that failed for this fact already; ``sharing`` facts speak of the same place.
-    ``avoid`` are the regions of the table or floor that the goal speaks of.
+    ``ways`` lead from the other objects of the goal to where it wants them: (2,) and (2,) in the world.
     """
 
     world: World
@@ -34,7 +34,7 @@ class SkillRequest:
     holds: Callable[[Pose], bool] | None = None
     tried: Sequence[Pose] = ()
     sharing: int = 1
-    avoid: Sequence[str] = ()
+    ways: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]] = ()
 
 
 class SkillPlan(Protocol):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from runtime.worlds.libero.scene.geometry import align_yaw
 from runtime.worlds.libero.scene.targets import PlacementTarget
-from runtime.worlds.libero.skills.aside import free_spots
+from runtime.worlds.libero.skills.aside import Way, free_spots
 from runtime.worlds.libero.skills.frames import Pose, axis_angle, nearest_twin, wrapped
 from runtime.worlds.libero.skills.grasping import Grasp, Search
 from runtime.worlds.libero.skills.motion import Action
@@ -91,13 +91,13 @@ def leaving(
     place_: PlacementTarget,
     holds: Callable[[Pose], bool],
     tried: Sequence[Pose] = (),
-    avoid: Sequence[str] = (),
+    ways: Sequence[Way] = (),
 ) -> Iterator[Transfer]:
     """What the arm can do to take ``place_.subject`` from its place to a free one, the nearest first.
 
-    As :func:`transfers`; ``avoid`` are regions to be kept free.
+    As :func:`transfers`; ``ways`` are to be kept free.
     """
-    found = _spread(free_spots(world, place_.subject, holds, avoid))
+    found = _spread(free_spots(world, place_.subject, holds, ways))
     aside = PlacementTarget(place_.subject, None, None, contains=False)
     if found:
         yield from _paired(world, reach, aside, [found], tried, (None, TILTED))

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from onto_compiler.command import Command, add_format
+from runtime.trace.options import add_identity
 
 __all__ = ["PLAN"]
 
@@ -19,6 +20,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "--seed", type=int, default=0, help="of the search, and which of the shipped models it is (default 0)"
     )
     parser.add_argument("--trace", type=Path, metavar="FILE", help="also record the trials, as .trig, .nq or .jsonld")
+    add_identity(parser)
     parser.add_argument(
         "--picture", type=Path, metavar="FILE", help="also draw plans, margins and reliability, as .html"
     )

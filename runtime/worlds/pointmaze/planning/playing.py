@@ -65,10 +65,10 @@ def run(options: argparse.Namespace) -> int:
         print_json(_document(records, options.seed))
     if options.trace is not None:
         runs = [
-            (f"{SUITE}-{name}", episodes(name, some, facts, knowledge, options.seed, folder))
+            (f"{options.run or SUITE}-{name}", episodes(name, some, facts, knowledge, options.seed, folder))
             for name, some in played.items()
         ]
-        write_trace(options.trace, runs, knowledge.schema)
+        write_trace(options.trace, runs, knowledge.schema, tags=options.tag)
     if options.picture is not None:
         write_plans(options.picture, played, facts, knowledge.schema)
     return CLEAN if all(row["success"] for rows in records.values() for row in rows) else FINDINGS

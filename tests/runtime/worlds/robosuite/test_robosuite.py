@@ -45,15 +45,14 @@ def test_truth_and_sign_are_robosuites_success(name):
     environment.start(0)
     base = environment.task.snapshot()
     prober = _Prober(environment, opened.required, np.random.default_rng(7))
-    ends = list(prober.thrown(base, 60))
-    environment.task.restore(base)
     opened.correct(0)
-    prober.thresholds(base, [environment.qpos, *ends], 12)
+    prober.starts.append(environment.qpos)
+    ends = [environment.qpos, *prober.thrown(base, 300)]
+    prober.thresholds(base, ends, 12)
     assert (prober.row["differences"], prober.row["wrong_signs"]) == (0, 0)
-    assert prober.row["random"] == 60
-    if name not in UNSERVED or prober.row["true_states"]:
-        assert prober.row["threshold"] == 24
-        assert 0 < prober.row["true_states"] < prober.row["states"]
+    assert (prober.row["random"], prober.row["threshold"]) == (300, 24)
+    assert 0 < prober.row["true_states"] < prober.row["states"]
+    assert set(prober.decided) == {str(fact) for fact in opened.required.facts}  # each of them decides somewhere
 
 
 @pytest.mark.parametrize("name", TASKS)

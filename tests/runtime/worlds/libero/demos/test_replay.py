@@ -40,6 +40,8 @@ def test_a_replay_tells_when_an_action_is_missing_or_the_record_is_wrong(sample,
     path = tmp_path / "put_the_bowl_on_the_plate_demo.hdf5"
     shutil.copy(sample, path)
     with h5py.File(path, "r+") as file:
+        del file["data/demo_0"]
+        file.copy("data/demo_1", "data/demo_0")  # the shorter one, twice
         file["data/demo_0/actions"][:] = 0.0  # nothing is done
         file["data/demo_1"].attrs["success_step"] += 1
     first, second = replay(path)

@@ -32,16 +32,19 @@ def test_a_free_spot_is_on_the_table_with_room_on_all_sides():
     assert [spot.cost for spot in spots] == sorted(spot.cost for spot in spots)
 
 
-def test_regions_that_are_avoided_are_kept_free_and_where_the_fact_is_false_no_spot_is():
+def test_the_ways_of_other_objects_are_kept_free_and_where_the_fact_is_false_no_spot_is():
     world = staged("libero_goal", 5).world
-    region = "main_table_stove_front_region"
-    centre, half = world.site_pose(region).position, world.site_half(region)
+    start, end = world.pose(PLATE).position[:2], world.site_pose("main_table_stove_front_region").position[:2]
 
-    def inside(spots):
-        return [spot for spot in spots if (np.abs(spot.pose.position - centre)[:2] < half[:2]).all()]
+    def on_the_way(spots):
+        line = start + np.linspace(0.0, 1.0, 50)[:, None] * (end - start)
+        away = [np.linalg.norm(line - spot.pose.position[:2], axis=1).min() for spot in spots]
+        return [distance for distance in away if distance < 0.11]
 
-    assert inside(free_spots(world, BOWL, anywhere))
-    assert not inside(free_spots(world, BOWL, anywhere, [region]))
+    assert on_the_way(free_spots(world, BOWL, anywhere))
+    kept = free_spots(world, BOWL, anywhere, [(start, end)])
+    assert kept
+    assert not on_the_way(kept)
     assert free_spots(world, BOWL, lambda pose: pose.position[0] > 9.0) == []
 
 

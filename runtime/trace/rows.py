@@ -1,0 +1,459 @@
+"""The JSON that the commands print of episodes and states: columns of the table of records, and what is worked out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, is_dataclass, replace
+from typing import Any
+
+from grounding.observation import Observation
+from onto_compiler.rdf import CORE, PROV, TRACE
+from onto_compiler.record.described import Described
+from onto_compiler.record.rows import GRAPH, OMITTED, Column, Row, printed
+from onto_compiler.required import Fact
+from onto_compiler.required_rdf import FACT
+from onto_compiler.schema import Schema
+from onto_compiler.tables import SATISFIED, STATUSES
+from runtime.loop.diagnosis import evidence_status
+from runtime.loop.records import Attempt, Diagnosis, Episode, ExecutedPlan
+from runtime.trace.table import (
+    APPLICATION,
+    ATTEMPT,
+    DIAGNOSIS,
+    EPISODE,
+    EXECUTED_PLAN,
+    OBSERVED_FACT,
+    PREDICTION,
+    PROPOSAL,
+    RECORDS,
+    ROUTE_DECISION,
+    VERIFICATION,
+)
+from runtime.wording import atom, short_name, unit_of
+
+__all__ = [
+    "ATTEMPT_ROW",
+    "DEMONSTRATION",
+    "DIAGNOSES",
+    "EPISODE_ROW",
+    "GROUNDING",
+    "OBSERVED",
+    "RECORDED",
+    "UNMET",
+    "SeenFact",
+    "Unmet",
+    "first_diagnoses",
+    "margin_after",
+    "routes_of",
+    "seen_facts",
+]
+
+
+# Facts, as they are seen and as they are diagnosed
+
+
+@dataclass(frozen=True, slots=True)
+class SeenFact:
+    """Fact ``index`` of an ABox and what an observation says of it; ``status`` is an IRI."""
+
+    fact: Fact
+    observation: Observation
+    index: int
+    status: str
+
+    @property
+    def truth(self) -> bool:
+        """Whether it was seen to hold."""
+        return bool(self.observation.truth[self.index])
+
+    @property
+    def margin(self) -> float:
+        """In the unit of the fact; NaN where none is defined."""
+        return float(self.observation.margin[self.index])
+
+    @property
+    def limit(self) -> str:
+        """The term that decides the margin."""
+        return self.observation.limit[self.index]
+
+
+def seen_facts(facts: Sequence[Fact], observation: Observation) -> list[SeenFact]:
+    """Each of ``facts`` with what ``observation`` says of it."""
+    codes = evidence_status(facts, observation)
+    return [SeenFact(fact, observation, i, STATUSES[codes[i]]) for i, fact in enumerate(facts)]
+
+
+def _facts(via: Callable[[Any], Fact]) -> dict[str, Column]:
+    return printed(FACT, "predicate", "arguments", "polarity", via=via)
+
+
+def _unit(via: Callable[[Any], Fact]) -> dict[str, Column]:
+    value = lambda subject, schema: unit_of(via(subject), schema)  # noqa: E731 - the column's value
+    return {"unit": Column("word:unit", value, CORE + "unit", blank=True)}
+
+
+def _limit(via: Callable[[Any], Any]) -> dict[str, Column]:
+    return {"limit": Column("string", lambda subject, _: via(subject).limit, CORE + "limit")}
+
+
+def _own(subject: Any) -> Any:  # noqa: ANN401 - whatever a row is about
+    return subject
+
+
+OBSERVED = Row(
+    "What the simulator's state says of one required fact.",
+    {
+        "fact": Column("string", lambda seen, schema: atom(seen.fact, schema)),
+        **_facts(lambda seen: seen.fact),
+        # Closed world: what was not seen to hold is false, and never undefined.
+        "truth": Column("boolean", lambda seen, _: seen.truth, CORE + "truth"),
+        "satisfied": Column("boolean", lambda seen, _: seen.status == SATISFIED),
+        **printed(OBSERVED_FACT, "status", "margin"),
+        **_unit(lambda seen: seen.fact),
+        **_limit(_own),
+        "native": Column("string", lambda seen, _: str(seen.fact.native), CORE + "nativeAtom"),
+    },
+    ("arity",),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Unmet:
+    """A diagnosis of one state with the route of a first attempt (its IRI), and whether it is the one to act on."""
+
+    diagnosis: Diagnosis
+    route: str
+    selected: bool = False
+
+
+def _diagnosis(told: Any) -> Diagnosis:  # noqa: ANN401 - what has a diagnosis
+    found: Diagnosis = told.diagnosis
+    return found
+
+
+def _fact(told: Any) -> Fact:  # noqa: ANN401 - as above
+    return _diagnosis(told).fact
+
+
+UNMET = Row(
+    "A diagnosis of one state, with the route that a first attempt would take.",
+    {
+        "fact": Column("string", lambda unmet, schema: atom(unmet.diagnosis.fact, schema)),
+        **_facts(_fact),
+        **printed(DIAGNOSIS, "truth", "status", "margin", via=_diagnosis),
+        **_unit(_fact),
+        **_limit(_diagnosis),
+        **printed(DIAGNOSIS, "failure", via=_diagnosis),
+        **printed(ROUTE_DECISION, "route"),
+        "rule": Column("string", lambda unmet, schema: schema.labels.get(unmet.diagnosis.rule, unmet.diagnosis.rule)),
+        "selected": Column("boolean", lambda unmet, _: unmet.selected),
+    },
+    ("arity", "route"),
+)
+
+
+# Episodes
+
+
+@dataclass(frozen=True, slots=True)
+class _Told:
+    """A diagnosis within its episode."""
+
+    diagnosis: Diagnosis
+    episode: Episode
+
+    def routes(self, schema: Schema) -> list[str]:
+        return [short_name(route, schema) for route in routes_of(self.episode, self.diagnosis.index)]
+
+
+def first_diagnoses(episode: Episode) -> tuple[Diagnosis, ...]:
+    """For each required fact that was ever diagnosed its first diagnosis, in the order of the required ABox.
+
+    Preconditions are left out: no observed ABox says what became of them.
+    """
+    found: dict[int, Diagnosis] = {}
+    for attempt in episode.attempts:
+        for diagnosis in attempt.diagnoses:
+            if not diagnosis.precondition:
+                found.setdefault(diagnosis.index, diagnosis)
+    return tuple(found[index] for index in sorted(found))
+
+
+def routes_of(episode: Episode, index: int) -> tuple[str, ...]:
+    """The IRIs of the routes to which required fact ``index`` was sent, one for each attempt that selected it."""
+    selected = [attempt.selected for attempt in episode.attempts if attempt.selected is not None]
+    return tuple(s.route for s in selected if s.diagnosis.index == index and not s.diagnosis.precondition)
+
+
+def margin_after(episode: Episode, index: int) -> float:
+    """The margin of required fact ``index`` in the last observation; NaN where none is defined."""
+    return float(episode.final.margin[index])
+
+
+def _number(value: float) -> float | None:
+    return None if value != value else float(value)  # noqa: PLR0124 - NaN differs from itself
+
+
+def _all_or(column: Callable[[Any, Schema], Any]) -> Callable[[Any, Schema], Any]:
+    return lambda subject, schema: None if subject is None else column(subject, schema)
+
+
+FIRST_DIAGNOSIS = Row(
+    "The first diagnosis of one fact in an episode, with the routes that the fact was sent to.",
+    {
+        **_facts(_fact),
+        **printed(DIAGNOSIS, "truth", "margin", via=_diagnosis),
+        "margin_after": Column(
+            "number", lambda told, _: _number(margin_after(told.episode, told.diagnosis.index)), null=True
+        ),
+        **_unit(_fact),
+        **printed(DIAGNOSIS, "failure", via=_diagnosis),
+        "route": Column(
+            "word:route", lambda told, schema: next(iter(told.routes(schema)), None), CORE + "route", null=True
+        ),
+        "routes": Column("words:route", lambda told, schema: told.routes(schema)),
+        **printed(DIAGNOSIS, "source", via=_diagnosis),
+    },
+    ("arity",),
+)
+VERIFIED = Row(
+    "The native predicate's answer, and whether it held after settling (null: nobody asked).", printed(VERIFICATION)
+)
+
+
+def _verification(term: str = TRACE + "verification", *, null: bool = True) -> dict[str, Column]:
+    value = _all_or(VERIFIED.of)
+    return {
+        "verification": Column("record:Verification", lambda held, names: value(held.verification, names), term, null)
+    }
+
+
+def _selected(attempt: Attempt) -> Any:  # noqa: ANN401 - a decision or None
+    return attempt.selected
+
+
+def _chosen(attempt: Attempt) -> Diagnosis | None:
+    return None if attempt.selected is None else attempt.selected.diagnosis
+
+
+def _if_imagined(value: Callable[[Attempt, Schema], Any]) -> Callable[[Attempt, Schema], Any]:
+    """Of an attempt whose proposal was only imagined."""
+    return lambda attempt, schema: OMITTED if attempt.prediction is None else value(attempt, schema)
+
+
+def _predicted_margin(attempt: Attempt) -> float | None:
+    # ABoxes hold the goal's facts: of a precondition nothing is predicted.
+    chosen = _chosen(attempt)
+    if chosen is None or chosen.precondition or attempt.prediction is None:
+        return None
+    return _number(float(attempt.prediction.observation.margin[chosen.index]))
+
+
+ATTEMPT_ROW = Row(
+    "One turn of the correction loop: the selected fact and its route, what was applied and how, and what came of it.",
+    {
+        "fact": Column(
+            "string",
+            lambda a, schema: None if a.selected is None else atom(a.selected.diagnosis.fact, schema),
+            null=True,
+        ),
+        **printed(DIAGNOSIS, "failure", via=_chosen, null=True),
+        **printed(ROUTE_DECISION, via=_selected, null=True),
+        **printed(PROPOSAL, via=lambda attempt: attempt.application and attempt.application.proposal, null=True),
+        **printed(APPLICATION, via=lambda attempt: attempt.application, null=True),
+        **_verification(),
+        **printed(ATTEMPT),
+        # `plan` is a place in the episode's plans.
+        "plan": Column("integer", _if_imagined(lambda attempt, _: attempt.plan), optional=True, null=True),
+        **{
+            name: replace(column, value=_if_imagined(column.value), optional=True)
+            for name, column in printed(PREDICTION, via=lambda attempt: attempt.prediction).items()
+        },
+        "predicted_margin": Column(
+            "number", _if_imagined(lambda attempt, _: _predicted_margin(attempt)), null=True, optional=True
+        ),
+    },
+    ("route",),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Planned:
+    """A fact at the end of an executed plan."""
+
+    fact: Fact
+    plan: ExecutedPlan
+    index: int
+
+
+def _truth_predicted(planned: _Planned) -> bool | None:
+    seen, index = planned.plan.predicted, planned.index
+    return bool(seen.truth[index]) if seen is not None and seen.observed[index] else None
+
+
+def _of_predicted(array: str) -> Callable[[_Planned, Schema], float | None]:
+    def value(planned: _Planned, schema: Schema) -> float | None:
+        del schema
+        seen = planned.plan.predicted
+        return None if seen is None else _number(float(getattr(seen, array)[planned.index]))
+
+    return value
+
+
+PLANNED_FACT = Row(
+    "A required fact at the end of an executed plan: as the simulator shows it, and as it was predicted.",
+    {
+        **_facts(lambda planned: planned.fact),
+        "truth": Column("boolean", lambda p, _: bool(p.plan.simulated.truth[p.index]), CORE + "truth"),
+        "margin": Column("number", lambda p, _: _number(p.plan.simulated.margin[p.index]), CORE + "margin", null=True),
+        **_unit(lambda planned: planned.fact),
+        "predicted": Column("boolean", lambda planned, _: _truth_predicted(planned), null=True),
+        "predicted_margin": Column("number", _of_predicted("margin"), null=True),
+        "score": Column("number", _of_predicted("score"), CORE + "score", null=True),
+    },
+    ("arity",),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _PlanOf:
+    """A plan within its episode."""
+
+    plan: ExecutedPlan
+    episode: Episode
+
+
+PLAN_ROW = Row(
+    "A plan that was executed; `retained` is whether every required fact was predicted, which is no success.",
+    {
+        **printed(EXECUTED_PLAN, via=lambda told: told.plan),
+        "retained": Column(
+            "boolean", lambda told, _: None if told.plan.predicted is None else not told.plan.diagnoses, null=True
+        ),
+        "failures": Column(
+            "words:failure", lambda told, schema: [short_name(each.failure, schema) for each in told.plan.diagnoses]
+        ),
+        "facts": Column(
+            "list:PlannedFact",
+            lambda told, schema: [
+                PLANNED_FACT.of(_Planned(fact, told.plan, index), schema)
+                for index, fact in enumerate(told.episode.required.facts)
+            ],
+        ),
+        "verification": Column(
+            "record:Verification",
+            lambda told, schema: VERIFIED.of(told.plan.verification, schema),
+            TRACE + "verification",
+        ),
+    },
+)
+
+
+def _plans(episode: Episode, schema: Schema) -> Any:  # noqa: ANN401 - a list, or nothing of the kind
+    return [PLAN_ROW.of(_PlanOf(plan, episode), schema) for plan in episode.plans] or OMITTED
+
+
+EPISODE_ROW = Row(
+    "One run of the correction loop, as `onto repair --json` prints it.",
+    {
+        **printed(EPISODE),
+        "language": Column("string", lambda episode, _: episode.required.language, TRACE + "language"),
+        "required": Column("strings", lambda episode, schema: [atom(fact, schema) for fact in episode.required.facts]),
+        "diagnoses": Column(
+            "list:Diagnosis",
+            lambda episode, schema: [FIRST_DIAGNOSIS.of(_Told(d, episode), schema) for d in first_diagnoses(episode)],
+            PROV + "wasGeneratedBy",
+            reverse=True,
+        ),
+        "attempts": Column("integer", lambda episode, _: len(episode.attempts)),
+        "history": Column(
+            "list:Attempt",
+            lambda episode, schema: [ATTEMPT_ROW.of(attempt, schema) for attempt in episode.attempts],
+            TRACE + "inEpisode",
+            reverse=True,
+        ),
+        "plans": Column("list:ExecutedPlan", _plans, TRACE + "inEpisode", reverse=True, optional=True),
+        "accepted": Column("boolean", lambda episode, _: episode.accepted),
+        "judge": Column("string", lambda episode, _: episode.judge),
+        "settled": Column(
+            "boolean",
+            lambda episode, _: None if episode.verification is None else episode.verification.settled,
+            null=True,
+        ),
+        **_verification(),
+    },
+)
+
+
+# What commands print
+
+
+def _key(name: str) -> Callable[[Mapping[str, Any], Schema], Any]:
+    return lambda found, _: found[name]
+
+
+def _plain(value: Any) -> Any:  # noqa: ANN401 - an object for a record
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
+
+
+def _told(name: str) -> Callable[[Any, Schema], Any]:
+    """What :mod:`runtime.commands.tasks` tells of a task; records as objects."""
+
+    def value(task: Any, schema: Schema) -> Any:  # noqa: ANN401 - of any field
+        del schema
+        found = getattr(task, name)
+        return list(map(_plain, found)) if isinstance(found, tuple) else found
+
+    return value
+
+
+GROUNDING = Row(
+    "What `onto ground --json` prints.",
+    {
+        "world": Column("string", _told("world")),
+        "suite": Column("string", _told("suite"), TRACE + "suite"),
+        "task": Column("string", _told("task"), TRACE + "task"),
+        "state": Column("integer", _told("state"), TRACE + "stateIndex"),
+        "facts": Column("list:ObservedFact", _told("facts"), TRACE + "memberFact"),
+        "premise": Column("list:ObservedFact", _told("premise"), TRACE + "declares"),
+        "native_success": Column("boolean", _told("native_success"), TRACE + "outcomeTruth", null=True),
+    },
+)
+DIAGNOSES = Row(
+    "What `onto diagnose --json` prints.",
+    {
+        "task": Column("string", _told("task"), TRACE + "task"),
+        "state": Column("integer", _told("state"), TRACE + "stateIndex"),
+        "diagnoses": Column("list:UnmetFact", _told("diagnoses"), PROV + "wasGeneratedBy", reverse=True),
+        "alternatives": Column("rows:string", _told("alternatives"), optional=True),
+    },
+)
+DEMONSTRATION = Row(
+    "What `onto demo --json` prints: one episode per task, and how many ended well.",
+    {
+        "tasks": Column(
+            "list:Episode", lambda found, schema: [EPISODE_ROW.of(each, schema) for each in found["tasks"]], GRAPH
+        ),
+        "accepted": Column("integer", _key("accepted")),
+        "settled": Column("integer", _key("settled")),
+        "wall_s": Column("number", _key("wall_s")),
+    },
+)
+RECORDED = Described(
+    RECORDS,
+    {
+        "Attempt": ATTEMPT_ROW,
+        "Demonstration": DEMONSTRATION,
+        "Diagnoses": DIAGNOSES,
+        "Diagnosis": FIRST_DIAGNOSIS,
+        "Episode": EPISODE_ROW,
+        "ExecutedPlan": PLAN_ROW,
+        "Grounding": GROUNDING,
+        "ObservedFact": OBSERVED,
+        "PlannedFact": PLANNED_FACT,
+        "UnmetFact": UNMET,
+        "Verification": VERIFIED,
+    },
+    ("Grounding", "Diagnoses", "Episode", "Demonstration"),
+)
+"""What the runtime adds to ``onto schema``, by the entry point ``onto_evwm.records``."""

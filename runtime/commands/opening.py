@@ -44,10 +44,7 @@ def open_task(
     """
     knowledge = load_knowledge(*ontology)
     world, ref = named_task(task)
-    if world.name == "libero":
-        from runtime.worlds.libero.simulator.own_code import import_own  # noqa: PLC0415 - only that world has them
-
-        import_own(imports, ref.bddl.parent)
+    world.prepare(ref, imports)
     offered = world.proposers(knowledge.schema, dict(proposers or {}))
     if possible:
         refuse_impossible(required_of(ref, knowledge), knowledge.schema)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from pathlib import Path
 
@@ -64,7 +65,8 @@ def _run(options: argparse.Namespace) -> int:
     )
     schema = load_knowledge(*options.ontology).schema
     settings = dict(episode.provenance)
-    reason, steps, uncertain = settings.get("reason", ""), settings["start_settle_steps"], settings["uncertain"]
+    reason, steps = settings.get("reason", ""), settings["start_settle_steps"]
+    uncertain = json.loads(settings.get("uncertain", "[]"))
     if options.out is not None:
         run = options.run or "repair"
         with TraceStore(options.out / "store", schema, run, ontology=options.ontology, tags=options.tag) as store:

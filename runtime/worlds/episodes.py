@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -100,11 +101,11 @@ class EpisodeRunner:
             raise OntoError.of("RUN004", message, "`onto diagnose` names the routes; `onto plan` follows them")
         seed = self.environment.seed
         premise = self.environment.observe_premise()
-        start = {
-            "start_settle_steps": settled,
-            "fixtures": self.placed or f"seed {seed}, assumed",
-            "uncertain": list(self.uncertain(state_index)),
-        }
+        start: dict[str, str | int] = {"fixtures": self.placed or f"seed {seed}, assumed"}
+        if settled is not None:
+            start["start_settle_steps"] = settled
+        if rows := self.uncertain(state_index):
+            start["uncertain"] = json.dumps(rows)
         unmet = ~satisfied(self.required.premise, premise)
         correction = self.loop.run(
             self.required, self.environment, np.random.default_rng([seed, max(state_index, 0)]), report=report

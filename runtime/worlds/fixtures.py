@@ -112,7 +112,8 @@ def _skeleton(mjcf: str, file: str) -> mujoco.MjModel:
     ET.SubElement(bare, "compiler", kept)
     _copy_bodies(world, ET.SubElement(bare, "worldbody"))
     try:
-        return mujoco.MjModel.from_xml_string(ET.tostring(bare, encoding="unicode"))
+        # Through a spec: robosuite writes the last model that was loaded from a string when it is asked for a scene's.
+        return mujoco.MjSpec.from_string(ET.tostring(bare, encoding="unicode")).compile()
     except ValueError as error:
         raise OntoError.of("SIM023", f"MuJoCo cannot read the model file's bodies: {error}", _HINT, file) from error
 

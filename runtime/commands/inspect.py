@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
+from typing import TYPE_CHECKING, Any
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
-from runtime.commands.options import add_state, add_task, chosen_state
+from runtime.commands.options import add_state, add_task, settled_words, start_options, uncertain_lines
+
+if TYPE_CHECKING:
+    from runtime.commands.tasks import DiagnosedTask, GroundedTask
 
 __all__ = ["DIAGNOSE", "GROUND"]
 
@@ -33,11 +37,11 @@ def _ground(options: argparse.Namespace) -> int:
     from runtime.trace.rows import GROUNDING  # noqa: PLC0415
     from runtime.wording import amount  # noqa: PLC0415
 
-    found = ground(options.task, state=chosen_state(options), ontology=options.ontology, seed=options.seed)
+    found = ground(options.task, ontology=options.ontology, **start_options(options))
     if options.format == "json":
-        print_json(GROUNDING.of(found))
+        print_json({**GROUNDING.of(found), **_start(found)})
         return CLEAN
-    lines = [f"{found.task}, {state_name(found.state)}, after settling"]
+    lines = [f"{found.task}, {state_name(found.state)}, {settled_words(found.settle_steps)}"]
     for heading, facts in (("goal", found.facts), ("premise", found.premise)):
         lines.append(f"  {heading}")
         for row in facts:
@@ -51,8 +55,14 @@ def _ground(options: argparse.Namespace) -> int:
         None: f"{found.world} cannot judge",
     }
     lines.append(f"  {says[found.native_success]}")
+    lines += uncertain_lines(found.uncertain)
     sys.stdout.write("\n".join(lines) + "\n")
     return CLEAN
+
+
+def _start(found: GroundedTask | DiagnosedTask) -> dict[str, Any]:
+    """How the state was settled, who says where its fixtures stand, and what hangs on that."""
+    return {"settle_steps": found.settle_steps, "fixtures": found.fixtures, "uncertain": list(found.uncertain)}
 
 
 def _diagnose(options: argparse.Namespace) -> int:
@@ -61,13 +71,14 @@ def _diagnose(options: argparse.Namespace) -> int:
     from runtime.trace.rows import DIAGNOSES  # noqa: PLC0415
     from runtime.wording import amount  # noqa: PLC0415
 
-    found = diagnose(options.task, state=chosen_state(options), ontology=options.ontology, seed=options.seed)
+    found = diagnose(options.task, ontology=options.ontology, **start_options(options))
     rows = found.diagnoses
     if options.format == "json":
         shown = DIAGNOSES if options.alternatives else DIAGNOSES.pick("task", "state", "diagnoses")
-        print_json(shown.of(found))
+        print_json({**shown.of(found), **_start(found)})
         return FINDINGS if rows else CLEAN
-    lines = [f"{found.task}, {state_name(found.state)}: {len(rows) or 'no'} unmet of {found.required} required"]
+    heading = f"{found.task}, {state_name(found.state)}, {settled_words(found.settle_steps)}"
+    lines = [f"{heading}: {len(rows) or 'no'} unmet of {found.required} required"]
     if len(found.alternatives) > 1:
         lines[0] += f", by the nearest of {len(found.alternatives)} alternatives"
     for row in rows:
@@ -79,6 +90,7 @@ def _diagnose(options: argparse.Namespace) -> int:
         ]
     for rank, unmet in enumerate(found.alternatives[1:] if options.alternatives else (), 2):
         lines.append(f"  alternative {rank}: {', '.join(unmet) or 'nothing unmet'}")
+    lines += uncertain_lines(found.uncertain)
     sys.stdout.write("\n".join(lines) + "\n")
     return FINDINGS if rows else CLEAN
 

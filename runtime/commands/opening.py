@@ -25,15 +25,18 @@ __all__ = ["open_task", "start_of"]
 def open_task(
     task: str,
     ontology: Sequence[str | Path] = (),
-    seed: int = 0,
+    seed: int | None = None,
     budget: int | None = None,
     judge: str = "native",
     *,
     proposers: Mapping[str, str] | None = None,
     possible: bool = False,
+    model: str | None = None,
+    imports: Sequence[str] = (),
 ) -> Iterator[EpisodeRunner]:
     """The runner for ``task`` under the shipped ontology with ``ontology`` on top; closed at the end.
 
+    ``model`` is a file that says where the fixtures stand; ``imports`` are modules that register objects of one's own.
     ``proposers`` names the one that acts of those that serve a route.
 
     Raises:
@@ -41,6 +44,7 @@ def open_task(
     """
     knowledge = load_knowledge(*ontology)
     world, ref = named_task(task)
+    world.prepare(ref, imports)
     offered = world.proposers(knowledge.schema, dict(proposers or {}))
     if possible:
         refuse_impossible(required_of(ref, knowledge), knowledge.schema)
@@ -48,7 +52,7 @@ def open_task(
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         runner = EpisodeRunner.open(world, ref, knowledge, offered, seed, budget, judge)
     try:
-        yield runner
+        yield runner if model is None else runner.placing(model)
     finally:
         runner.close()
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
-__all__ = ["add_budget", "add_state", "add_task", "chosen_state"]
+__all__ = ["add_budget", "add_state", "add_task", "chosen_state", "settled_words", "start_options", "uncertain_lines"]
 
 
 class _InSuite(argparse.Action):
@@ -30,6 +31,15 @@ def add_task(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "within", nargs="?", action=_InSuite, metavar="INDEX", help="index or name, where the first is a suite alone"
     )
+    parser.add_argument(
+        "--import",
+        dest="imports",
+        action="append",
+        default=[],
+        metavar="MODULE",
+        help="import this module first, which registers objects or predicates of your own with LIBERO; it may stand "
+        "beside the task file or in the working folder",
+    )
 
 
 def add_state(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +49,57 @@ def add_state(parser: argparse.ArgumentParser) -> None:
     start.add_argument(
         "--state-file", type=Path, metavar="FILE.npy", help="start from your own flat state instead: time, qpos, qvel"
     )
-    parser.add_argument("--seed", type=int, default=0, help="places the fixtures (default 0)")
+    placed = parser.add_mutually_exclusive_group()
+    placed.add_argument("--seed", type=int, help="places the fixtures, as LIBERO's reset does after it (default 0)")
+    placed.add_argument(
+        "--model",
+        metavar="FILE",
+        help="the fixtures stand as in this file: MJCF that was saved from the scene, or demonstrations in HDF5 "
+        "(FILE.hdf5/demo_3 for one of them)",
+    )
+    parser.add_argument(
+        "--settle",
+        type=_steps,
+        metavar="N",
+        help="control steps without motion before the start is judged (default: 10 for an official initial state, "
+        "0 for your own)",
+    )
+
+
+def uncertain_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """For people: the facts whose verdict hangs on where fixtures stand, where neither --model nor --seed says it."""
+    lines = [
+        f"  uncertain: {row['fact']} hangs on where {' and '.join(row['fixtures'])} stood, which the state does not "
+        f"say; seed 0 is assumed, and another placement is up to {row['reach'] * 1000:.0f} mm away"
+        for row in rows
+    ]
+    return [*lines, "  --model FILE or --seed N says where fixtures stand"] if lines else []
+
+
+def start_options(options: argparse.Namespace) -> dict[str, Any]:
+    """What says where a run starts, by the names of the functions of :mod:`runtime.commands.tasks`."""
+    return {
+        "state": chosen_state(options),
+        "seed": options.seed,
+        "settle": options.settle,
+        "model": options.model,
+        "imports": options.imports,
+    }
+
+
+def settled_words(steps: int) -> str:
+    """How a start was settled, for a heading."""
+    return f"settled for {steps} step{'' if steps == 1 else 's'}" if steps else "not settled"
+
+
+def _steps(text: str) -> int:
+    try:
+        steps = int(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"`{text}` is not a number of control steps") from error
+    if steps < 0:
+        raise argparse.ArgumentTypeError(f"{steps} control steps; there can be none, or more")
+    return steps
 
 
 def chosen_state(options: argparse.Namespace) -> int | Path:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from pathlib import Path
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
-from runtime.commands.options import add_budget, add_state, add_task, chosen_state
+from runtime.commands.options import add_budget, add_state, add_task, settled_words, start_options, uncertain_lines
 from runtime.trace.options import add_identity
 
 __all__ = ["REPAIR"]
@@ -56,24 +57,27 @@ def _run(options: argparse.Namespace) -> int:
 
     episode = repair(
         options.task,
-        state=chosen_state(options),
         ontology=options.ontology,
-        seed=options.seed,
         budget=options.budget,
         judge=options.judge,
         proposers=dict(options.proposer),
+        **start_options(options),
     )
     schema = load_knowledge(*options.ontology).schema
-    reason = dict(episode.provenance).get("reason", "")
+    settings = dict(episode.provenance)
+    reason, steps = settings.get("reason", ""), settings["start_settle_steps"]
+    uncertain = json.loads(settings.get("uncertain", "[]"))
     if options.out is not None:
         run = options.run or "repair"
         with TraceStore(options.out / "store", schema, run, ontology=options.ontology, tags=options.tag) as store:
             store.add(episode)
             store.export_trig(options.out / "trace.trig")
     if options.format == "json":
-        print_json(episode_summary(episode, schema) | ({"reason": reason} if reason else {}))
+        about = {"settle_steps": steps, "uncertain": uncertain} | ({"reason": reason} if reason else {})
+        print_json(episode_summary(episode, schema) | about)
     else:
         lines = [*narrate(episode, schema), *([f"  Reason: {reason}."] if reason else [])]
+        lines += [f"  The start was {settled_words(steps)}.", *uncertain_lines(uncertain)]
         sys.stdout.write("\n".join(wrapped(lines)) + "\n")
     return CLEAN if episode.accepted else FINDINGS
 

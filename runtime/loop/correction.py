@@ -58,7 +58,11 @@ class Environment(Protocol):
         ...
 
     def settle(self, verification: Verification) -> Verification:
-        """Let the state settle and record whether the native predicate still holds."""
+        """Let the state settle and record whether the native predicate still holds.
+
+        Where it does, the state is afterwards the one that was verified. Where it does not, it is the one that this has
+        settled to, or where nothing can settle, the one before the last proposal.
+        """
         ...
 
 
@@ -66,7 +70,9 @@ class Environment(Protocol):
 class Correction:
     """What :meth:`CorrectionLoop.run` returns: the attempts, and how and in which observed state the loop ended.
 
-    ``reason`` says what is missing where a route has nothing that serves it.
+    ``reason`` says why it stays ``unresolved``, where a route has nothing that serves it or a state did not settle.
+    ``lost`` is the verdict on a start that the native predicate accepted and that did not settle: the state that it
+    settled to was corrected.
     """
 
     initial: Observation
@@ -75,6 +81,7 @@ class Correction:
     outcome: str
     verification: Verification | None
     reason: str = ""
+    lost: Verification | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +103,8 @@ class CorrectionLoop:
     ) -> Correction:
         """Correct the state of ``environment`` until the native predicate accepts it or the budget is spent.
 
+        A state that is accepted and does not survive settling counts as rejected: the loop goes on from there.
+
         With ``predicted`` the source starts as ``pred``: a satisfied prediction is retained and nothing is executed;
         an unsatisfied one is corrected in ``environment`` where one is given. Without it the source is ``sim``
         throughout. ``report`` is called with each attempt as soon as it is over.
@@ -116,14 +125,18 @@ class _Run:
     attempts: list[Attempt] = field(default_factory=list)
     offered: dict[tuple[int, str], int] = field(default_factory=dict)  # candidates so far, by fact and route
     rejected: RouteDecision | None = None
+    lost: Verification | None = None  # a start that was accepted and did not settle
     unserved: dict[str, None] = field(default_factory=dict)  # routes without a proposer
 
     def correct(self, predicted: Observation | None, report: Callable[[Attempt], None] | None) -> Correction:
         observation = initial = self._observe() if predicted is None else predicted
         while True:
             diagnoses = diagnose_goal(self.required, observation, self.loop.knowledge.tables)
+            before = self.lost
             end = self._before_attempt(observation, diagnoses)
-            if end is None:
+            if self.lost is not before:  # settling has moved the state
+                observation = self._observe()
+            elif end is None:
                 attempt = self._attempt(observation, diagnoses)
                 if attempt is None:
                     end = "unresolved"
@@ -135,13 +148,8 @@ class _Run:
                     end = _after_attempt(attempt)
             if end is not None:
                 outcome, verification = (end, self._verdict()) if isinstance(end, str) else end
-                reason = self._reason() if outcome == "unresolved" else ""
-                return Correction(initial, tuple(self.attempts), observation, outcome, verification, reason)
-
-    def _reason(self) -> str:
-        """What is missing: the routes that failures were sent along, and that no proposer serves."""
-        names = " or ".join(f"`{name}`" for name in self.unserved)
-        return f"no proposer is registered as {names}" if names else ""
+                reason = self._reason(verification) if outcome == "unresolved" else ""
+                return Correction(initial, tuple(self.attempts), observation, outcome, verification, reason, self.lost)
 
     def _before_attempt(
         self, observation: Observation, diagnoses: tuple[Diagnosis, ...]
@@ -155,10 +163,19 @@ class _Run:
         if observation.source == "sim" and not (self.attempts and diagnoses):
             verification = environment.verify()
             if verification.outcome:
-                return "verified", environment.settle(verification)
+                return self._accepted(environment.settle(verification))
             if not diagnoses:
                 return "grounding_verifier_disagreement", verification
         return "unresolved" if len(self.attempts) >= self.loop.budget else None
+
+    def _accepted(self, verification: Verification) -> tuple[str, Verification] | None:
+        """How the run ends where the native predicate accepts the state as it is; None where that has to settle."""
+        if _holds(verification):
+            return "verified", verification
+        if self.lost is not None or self.attempts:
+            return "unresolved", verification
+        self.lost = verification
+        return None
 
     def _attempt(self, observation: Observation, diagnoses: tuple[Diagnosis, ...]) -> Attempt | None:
         """Steps 4 to 6 once; None when no route has a further candidate for the selected failure."""
@@ -174,7 +191,7 @@ class _Run:
                 verification = environment.settle(verification)
         except RunFault as fault:
             return Attempt(index, observation, diagnoses, decision, fault=str(fault))
-        self.rejected = None if verification.outcome else decision
+        self.rejected = None if _holds(verification) else decision
         return Attempt(index, observation, diagnoses, decision, application, verification)
 
     def _dispatch(self, selected: Diagnosis) -> tuple[RouteDecision, Proposal | None]:
@@ -223,11 +240,24 @@ class _Run:
         return self.environment.observe()
 
     def _verdict(self) -> Verification | None:
-        return self.attempts[-1].verification if self.attempts else None
+        return self.attempts[-1].verification if self.attempts else self.lost
+
+    def _reason(self, last: Verification | None) -> str:
+        """What is missing: proposers of the routes that failures were sent along, or a state that survives settling."""
+        names = " or ".join(f"`{name}`" for name in self.unserved)
+        parts = [f"no proposer is registered as {names}"] if names else []
+        if last is not None and last.outcome:
+            parts.append(f"the last state that was accepted did not survive {last.settle_steps} steps of settling")
+        return "; ".join(parts)
 
 
 def _after_attempt(attempt: Attempt) -> str | None:
     """Step 6: how the run ends after ``attempt``, or None."""
     if attempt.fault:
         return "run_fault"
-    return "accepted" if attempt.verification is not None and attempt.verification.outcome else None
+    return "accepted" if attempt.verification is not None and _holds(attempt.verification) else None
+
+
+def _holds(verification: Verification) -> bool:
+    """Whether the native predicate accepts, and still does after settling where that was asked."""
+    return verification.outcome and verification.settled is not False

@@ -21,9 +21,20 @@ from runtime.loop.diagnosis import unmet
 from runtime.loop.faults import RunFault
 from runtime.loop.records import GROUNDED, Application, Proposal, Verification
 
-__all__ = ["SETTLE_STEPS", "NativeState", "StateEnvironment", "TaskEnvironment"]
+__all__ = ["SETTLE_STEPS", "NativeState", "StateEnvironment", "TaskEnvironment", "settling"]
 
 SETTLE_STEPS = 20  # control steps of 1/20 s without motion, after which an accepted state is asked again
+
+
+def settling(state: ArrayLike | None, asked: int | None, usual: int) -> int:
+    """Control steps without motion before a start is judged: those ``asked`` for, if any.
+
+    An official initial state (None) otherwise takes the world's ``usual`` ones, and one that was given is judged as it
+    is.
+    """
+    if asked is not None:
+        return asked
+    return usual if state is None else 0
 
 
 class TaskEnvironment(Environment, Protocol):
@@ -52,12 +63,20 @@ class TaskEnvironment(Environment, Protocol):
         """Ground the task's declared initial facts in the current state."""
         ...
 
-    def start(self, index: int, state: ArrayLike | None = None) -> None:
+    def start(self, index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
         """Go to initial state ``index``, or to a flat ``state`` (1 + nq + nv: time, qpos, qvel), and let it settle.
 
-        Raises ``SIM017`` where there is no such initial state, ``SIM003``, ``SIM004`` for a state that is none of this
-        scene, ``SIM019`` where it diverges.
+        Gives the number of control steps, see :func:`settling`. Raises ``SIM017`` where there is no such initial state,
+        ``SIM003``, ``SIM004`` for a state that is none of this scene, ``SIM019`` where it diverges.
         """
+        ...
+
+    def place(self, model: str) -> None:
+        """From now on start with the fixtures as the file ``model`` has them; raises ``SIM023``."""
+        ...
+
+    def uncertain(self) -> tuple[dict[str, Any], ...]:
+        """The required facts whose verdict in the present state hangs on where fixtures stand, were that unknown."""
         ...
 
     def versions(self) -> dict[str, str]:
@@ -121,6 +140,7 @@ class StateEnvironment(ABC):
         self._grounder = SimGrounder(scene, required.facts, schema)
         self._premise = SimGrounder(scene, required.premise, schema)
         self._scratch = mujoco.MjData(native.model)
+        self._before: Any = None  # the state that the last proposal changed
 
     @abstractmethod
     def verify_natively(self) -> Verification:
@@ -157,6 +177,15 @@ class StateEnvironment(ABC):
         """A copy of the generalised velocities, shape (nv,)."""
         return np.array(self._native.data.qvel)
 
+    def place(self, model: str) -> None:
+        """Refuse: in this world the seed alone places what does not move."""
+        message, hint = "a model file places nothing in the world of this task", "leave out --model"
+        raise OntoError.of("SIM023", message, hint, model)
+
+    def uncertain(self) -> tuple[dict[str, Any], ...]:
+        """Nothing: a flat state says all there is of such a world."""
+        return ()
+
     def observe(self) -> Observation:
         """The observed ABox of the goal."""
         return self._grounder.observe(self._native.data)
@@ -179,7 +208,7 @@ class StateEnvironment(ABC):
             RunFault: where the proposal, or the state that it leads to, is not finite or not of this scene.
         """
         native = self._native
-        before = native.snapshot()
+        before = self._before = native.snapshot()
         start = self.qpos
         try:
             native.write_qpos(proposal.qpos)
@@ -193,10 +222,19 @@ class StateEnvironment(ABC):
         return Application(proposal, "state", float(np.linalg.norm(proposal.qpos - start)))
 
     def settle(self, verification: Verification) -> Verification:
-        """Ask the judge again after :data:`SETTLE_STEPS` steps, then go back to the state that was verified."""
-        before = self._native.snapshot()
-        self._native.settle(SETTLE_STEPS)
+        """Ask the judge again after :data:`SETTLE_STEPS` steps.
+
+        Where it still accepts, the state is afterwards the one that was verified; otherwise the one that it settled to.
+        A state that diverges is given up for the one before the last proposal.
+        """
+        native = self._native
+        verified = native.snapshot()
+        native.settle(SETTLE_STEPS)
         # MuJoCo answers a divergence with the default pose: qpos is finite then, and says nothing of the task.
-        settled = not self._native.diverged and self.verify().outcome
-        self._native.restore(before)
+        diverged = native.diverged
+        settled = not diverged and self.verify().outcome
+        if settled:
+            native.restore(verified)
+        elif diverged:
+            native.restore(self._before or verified)
         return replace(verification, settled=settled, settle_steps=SETTLE_STEPS)

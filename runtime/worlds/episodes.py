@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +16,7 @@ from onto_compiler.required import RequiredABox
 from runtime.loop.correction import CorrectionLoop
 from runtime.loop.diagnosis import satisfied
 from runtime.loop.proposer import Proposer
-from runtime.loop.records import Attempt, Episode, state_digest
+from runtime.loop.records import GIVEN, Attempt, Episode, state_digest
 from runtime.worlds.environment import TaskEnvironment
 from runtime.worlds.required import required_of
 from runtime.worlds.world import TaskRef, World
@@ -34,6 +36,7 @@ class EpisodeRunner:
     environment: TaskEnvironment
     knowledge: Knowledge
     loop: CorrectionLoop
+    placed: str = ""  # who says where the fixtures stand: "seed 3", the name of a model file; empty where nobody does
 
     @classmethod
     def open(
@@ -42,36 +45,53 @@ class EpisodeRunner:
         ref: TaskRef,
         knowledge: Knowledge,
         proposers: Mapping[str, Proposer] | None = None,
-        seed: int = 0,
+        seed: int | None = None,
         budget: int | None = None,
         judge: str = "native",
     ) -> EpisodeRunner:
         """Build the scene of ``ref``; without ``proposers`` the world's own, without ``budget`` :data:`BUDGET`.
 
-        ``judge`` is "native" or "grounding", as of :class:`TaskEnvironment`.
+        The fixtures stand where ``seed`` places them, which is 0 where nobody says. ``judge`` is "native" or
+        "grounding", as of :class:`TaskEnvironment`.
 
         Raises ``SIM`` and ``BDDL`` problems.
         """
         required = required_of(ref, knowledge)
-        environment = world.open(ref, required, knowledge.schema, seed)
+        environment = world.open(ref, required, knowledge.schema, seed or 0)
         environment.judge = judge
         offered = world.proposers(knowledge.schema) if proposers is None else proposers
         loop = CorrectionLoop(knowledge, offered, BUDGET if budget is None else budget)
-        return cls(world, ref, required, environment, knowledge, loop)
+        placed = "" if seed is None else f"seed {seed}"
+        return cls(world, ref, required, environment, knowledge, loop, placed)
 
     def run(
-        self, state_index: int, state: ArrayLike | None = None, report: Callable[[Attempt], None] | None = None
+        self,
+        state_index: int,
+        state: ArrayLike | None = None,
+        report: Callable[[Attempt], None] | None = None,
+        *,
+        settle: int | None = None,
     ) -> Episode:
-        """Start from the official initial state ``state_index`` (or a flat ``state``, then GIVEN), settle, and correct.
+        """Start from the official initial state ``state_index`` (or a flat ``state``, then GIVEN), and correct.
 
         Raises:
             OntoError: as :meth:`start`.
         """
-        self.start(state_index, state)
-        return self.correct(state_index, report, given="" if state is None else state_digest(state))
+        steps = self.start(state_index, state, settle=settle)
+        given = "" if state is None else state_digest(state)
+        return self.correct(state_index, report, given=given, settled=steps)
 
-    def correct(self, state_index: int, report: Callable[[Attempt], None] | None = None, *, given: str = "") -> Episode:
-        """Run the loop on the present state, which :meth:`start` left; ``given`` is the digest of one of your own.
+    def correct(
+        self,
+        state_index: int,
+        report: Callable[[Attempt], None] | None = None,
+        *,
+        given: str = "",
+        settled: int | None = None,
+    ) -> Episode:
+        """Run the loop on the present state, which :meth:`start` left after ``settled`` control steps.
+
+        ``given`` is the digest of a state of your own.
 
         Raises ``RUN004`` where the world's failures are corrected in plans.
         """
@@ -81,6 +101,11 @@ class EpisodeRunner:
             raise OntoError.of("RUN004", message, "`onto diagnose` names the routes; `onto plan` follows them")
         seed = self.environment.seed
         premise = self.environment.observe_premise()
+        start: dict[str, str | int] = {"fixtures": self.placed or f"seed {seed}, assumed"}
+        if settled is not None:
+            start["start_settle_steps"] = settled
+        if rows := self.uncertain(state_index):
+            start["uncertain"] = json.dumps(rows)
         unmet = ~satisfied(self.required.premise, premise)
         correction = self.loop.run(
             self.required, self.environment, np.random.default_rng([seed, max(state_index, 0)]), report=report
@@ -100,18 +125,32 @@ class EpisodeRunner:
             verification=correction.verification,
             provenance=(
                 *self.environment.versions().items(),
+                *start.items(),
+                *((("start_lost_settling", correction.lost.settle_steps),) if correction.lost else ()),
                 *((("reason", correction.reason),) if correction.reason else ()),
             ),
             given=given,
         )
 
-    def start(self, state_index: int, state: ArrayLike | None = None) -> None:
-        """Write the initial state and let it settle.
+    def start(self, state_index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
+        """Write the initial state and let it settle; gives the number of control steps, as the environment does.
 
         Raises:
             OntoError: ``SIM017``, where the task has no such initial state; ``SIM019``, where it diverges.
         """
-        self.environment.start(state_index, state)
+        return self.environment.start(state_index, state, settle=settle)
+
+    def placing(self, model: str) -> EpisodeRunner:
+        """The same scene with the fixtures as the file ``model`` has them; raises ``SIM023``."""
+        self.environment.place(model)
+        return replace(self, placed=model)
+
+    def uncertain(self, state_index: int) -> tuple[dict[str, Any], ...]:
+        """The required facts whose verdict in the present state hangs on where fixtures stand, which nobody says.
+
+        Without any for an official state, which is meant to be judged in the scene of the seed.
+        """
+        return () if self.placed or state_index != GIVEN else self.environment.uncertain()
 
     def knowing(self, knowledge: Knowledge) -> EpisodeRunner:
         """The same scene and budget under other rules."""

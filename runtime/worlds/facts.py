@@ -27,6 +27,7 @@ Row = dict[str, Any]
 class GoalReport:
     """``success`` is whether the goal holds; ``facts`` speak of the goal; ``failures`` diagnose what of it is unmet."""
 
+    observation: Observation
     success: bool
     facts: tuple[Row, ...]
     failures: tuple[Row, ...]
@@ -58,7 +59,10 @@ class FactReporter:
             for each in diagnose_goal(required, observation, knowledge.tables)
         )
         return GoalReport(
-            not unmet(required, observation), self._rows(self._constant, required.facts, observation), failures
+            observation,
+            not unmet(required, observation),
+            self._rows(self._constant, required.facts, observation),
+            failures,
         )
 
     def premise(self, data: mujoco.MjData) -> tuple[Row, ...]:

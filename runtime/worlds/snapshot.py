@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import mujoco
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError
+from runtime.worlds.fixtures import FixturePoses
 
 __all__ = ["BAD_NUMBERS", "Snapshot", "check_scene", "give_back", "held_by", "identity", "put", "take"]
 
@@ -44,6 +45,12 @@ class Snapshot:
     controller: Mapping[str, Any]  # goal, reference and cached kinematics, by robosuite's attribute name
     clock: tuple[int, float, bool]  # control steps, seconds, done
     scene: str  # the identity of the model that it is a state of
+
+    def placed(self, fixtures: FixturePoses | None) -> Snapshot:
+        """The same with the fixtures where ``fixtures`` says; as it is where it says nothing."""
+        if fixtures is None:
+            return self
+        return replace(self, body_pos=fixtures.body_pos, body_quat=fixtures.body_quat)
 
 
 def identity(model: mujoco.MjModel) -> str:

@@ -82,6 +82,10 @@ class World(Protocol):
         """Control steps that an episode may take."""
         ...
 
+    def prepare(self, ref: TaskRef, imports: Sequence[str]) -> None:
+        """Import the modules of one's own that register what the task needs; raises ``SIM024``."""
+        ...
+
     def open(self, ref: TaskRef, required: RequiredABox, schema: Schema, seed: int) -> TaskEnvironment:
         """Build the scene of a task, judged by the simulator's own success; raises ``SIM`` problems.
 

@@ -43,6 +43,12 @@ class Libero:
 
         return horizon_of(ref.suite)
 
+    def prepare(self, ref: TaskRef, imports: Sequence[str]) -> None:
+        """Import ``imports`` and what the project lists; raises ``SIM024``."""
+        from runtime.worlds.libero.simulator.own_code import import_own  # noqa: PLC0415 - heavy imports wait
+
+        import_own(imports, ref.bddl.parent)
+
     def open(self, ref: TaskRef, required: RequiredABox, schema: Schema, seed: int) -> TaskEnvironment:
         """LIBERO's own environment of ``ref``; raises ``SIM`` problems."""
         from runtime.worlds.libero.loop.environment import LiberoEnvironment  # noqa: PLC0415 - as above

@@ -79,11 +79,13 @@ class OpenMaze(StateEnvironment):
         """The verdict as it is, since nothing settles."""
         return replace(verification, settled=None)
 
-    def start(self, index: int, state: ArrayLike | None = None) -> None:
+    def start(self, index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
         """Trial ``index``; or a flat ``state`` (5,: time, x, y, vx, vy) towards the goal of trial 0.
 
-        Raises ``SIM017`` where there is no such trial, ``SIM003``, ``SIM004`` for what is no state.
+        Nothing settles there, whatever ``settle`` asks for. Raises ``SIM017`` where there is no such trial,
+        ``SIM003``, ``SIM004`` for what is no state.
         """
+        del settle
         if state is None and not 0 <= index < PUBLISHED:
             message = f"`{self._name}` has no initial state {index}"
             raise OntoError.of("SIM017", message, f"it has {PUBLISHED} trials, from 0")
@@ -91,6 +93,15 @@ class OpenMaze(StateEnvironment):
         begun = trial.start if state is None else FlatStates(self.model, self._name).checked(state)[1:]
         place(self.data, self._state.maze, begun, trial.goal)
         mujoco.mj_forward(self.model, self.data)
+        return 0
+
+    def place(self, model: str) -> None:
+        """Refuse: the maze's walls are the task's."""
+        raise OntoError.of("SIM023", "a model file places nothing in a maze", "leave out --model", model)
+
+    def uncertain(self) -> tuple[dict[str, Any], ...]:
+        """Nothing: a state says all there is."""
+        return ()
 
     def versions(self) -> dict[str, str]:
         """Versions of what decides a physical result."""

@@ -52,6 +52,9 @@ class PointMaze:
 
         return HORIZON
 
+    def prepare(self, ref: TaskRef, imports: Sequence[str]) -> None:
+        """Nothing: this world has no objects of one's own."""
+
     def open(self, ref: TaskRef, required: RequiredABox, schema: Schema, seed: int) -> TaskEnvironment:
         """The maze of ``ref``; raises ``SIM001`` ff. where a fact names what a maze lacks."""
         from runtime.worlds.pointmaze.opened import OpenMaze  # noqa: PLC0415 - as above

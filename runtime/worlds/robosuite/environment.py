@@ -10,7 +10,7 @@ from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import Schema
 from runtime.loop.records import Verification
-from runtime.worlds.environment import StateEnvironment
+from runtime.worlds.environment import StateEnvironment, settling
 from runtime.worlds.robosuite.native import RobosuiteTask, versions
 from runtime.worlds.world import TaskRef
 
@@ -34,16 +34,18 @@ class RobosuiteEnvironment(StateEnvironment):
         """Ask robosuite."""
         return Verification("_check_success()", self.task.success())
 
-    def start(self, index: int, state: ArrayLike | None = None) -> None:
+    def start(self, index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
         """Draw initial state ``index``, or write a flat ``state``, and let it settle; raises as its protocol says."""
         if state is None:
             self.task.reset(index)
         else:
             self.task.reset_to(state)
-        self.task.settle(PREMISE_STEPS)
+        steps = settling(state, settle, PREMISE_STEPS)
+        self.task.settle(steps)
         if self.task.diverged:
             message = f"the simulation of `{self.task.spec.problem}` diverged while its state settled"
             raise OntoError.of("SIM019", message)
+        return steps
 
     def versions(self) -> dict[str, str]:
         """Versions of what decides a physical result."""

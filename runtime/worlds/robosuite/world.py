@@ -54,6 +54,9 @@ class Robosuite:
         """Control steps of an episode, as robosuite's benchmark has them."""
         return _HORIZON
 
+    def prepare(self, ref: TaskRef, imports: Sequence[str]) -> None:
+        """Nothing: this world has no objects of one's own."""
+
     def open(self, ref: TaskRef, required: RequiredABox, schema: Schema, seed: int) -> TaskEnvironment:
         """Robosuite's own environment of ``ref``; raises ``SIM`` problems."""
         from runtime.worlds.robosuite.environment import RobosuiteEnvironment  # noqa: PLC0415 - as above

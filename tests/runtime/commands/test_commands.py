@@ -115,7 +115,9 @@ def test_diagnose_speaks_of_the_nearest_alternative_and_of_the_others_when_asked
     task.write_text(f"{text[: text.index('(:goal')]}(:goal {goal})\n)\n", "utf-8")
     code, out, _ = run(capsys, "diagnose", str(task))
     assert code == FINDINGS
-    assert out.startswith("either, state 0: 1 unmet of 2 required, by the nearest of 2 alternatives\n")
+    assert out.startswith(
+        "either, state 0, settled for 10 steps: 1 unmet of 2 required, by the nearest of 2 alternatives\n"
+    )
     assert "alternative 2" not in out
     code, out, _ = run(capsys, "diagnose", str(task), "--alternatives", "--json")
     record = json.loads(out)
@@ -162,7 +164,7 @@ def test_a_state_of_ones_own(capsys, tmp_path):
     assert record["facts"][0]["truth"] is False
     assert record["state"] == -1
     _, out, _ = run(capsys, "diagnose", "libero_goal/8", "--state-file", path)
-    assert out.startswith("put_the_bowl_on_the_plate, a given state: 1 unmet of 1 required\n")
+    assert out.startswith("put_the_bowl_on_the_plate, a given state, not settled: 1 unmet of 1 required\n")
     status, out, _ = run(capsys, "repair", "libero_goal/8", "--state-file", path)
     assert status == CLEAN
     assert out.startswith("put_the_bowl_on_the_plate (libero_goal, a given state, seed 0)\n")
@@ -174,7 +176,7 @@ def test_a_state_of_ones_own(capsys, tmp_path):
 def test_suite_and_task_are_one_word_or_two(capsys, task):
     status, out, _ = run(capsys, "diagnose", *task, "--state", "2")
     assert status == FINDINGS
-    assert out.startswith("put_the_bowl_on_the_plate, state 2: 1 unmet of 1 required\n")
+    assert out.startswith("put_the_bowl_on_the_plate, state 2, settled for 10 steps: 1 unmet of 1 required\n")
 
 
 def test_a_state_is_an_official_one_or_a_given_one(capsys, tmp_path):

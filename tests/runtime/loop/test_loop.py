@@ -65,6 +65,31 @@ class Offers:
         return Proposal(self.name, self.name, request.candidate, np.zeros(3), ())
 
 
+class Unstable(Scripted):
+    """Falls back to the first state where what the native predicate accepts does not settle, ``falls`` times."""
+
+    def __init__(self, states, verdicts, falls):
+        super().__init__(states, verdicts)
+        self.falls = falls
+
+    def observe(self):
+        return stack("sim", self.now, self.states[0 if self.fallen else self.now])
+
+    def apply(self, proposal):
+        self.fallen = False
+        return super().apply(proposal)
+
+    fallen = False
+
+    def verify(self):
+        return Verification("check_success()", not self.fallen and self.verdicts[self.now])
+
+    def settle(self, verification):
+        self.falls -= 1
+        self.fallen = self.falls >= 0
+        return Verification(verification.query, verification.outcome, not self.fallen, 20)
+
+
 def run(facts, environment, budget=4, predicted=None, alternatives=(), **counts):
     names = ("source_joint_pose", "object_relation_predicate", "rack_contact_site", "source_joint_residual")
     proposers = {name: Offers(name, counts.get(name, 99)) for name in names}
@@ -136,9 +161,9 @@ def test_a_disagreement_after_an_attempt_is_named_too():
 
 
 def test_an_accepted_state_ends_the_loop_and_is_asked_again_after_settling():
-    result = run([ON], Scripted([[FALSE], [TRUE]], [False, True], settles=False))
+    result = run([ON], Scripted([[FALSE], [TRUE]], [False, True]))
     assert result.outcome == "accepted"
-    assert result.verification == Verification("check_success()", True, False, 20)
+    assert result.verification == Verification("check_success()", True, True, 20)
     assert result.final.truth.tolist() == [True]
 
 
@@ -218,6 +243,35 @@ def test_a_route_without_a_proposer_is_passed_over():
 def test_a_simulator_source_without_an_environment_is_a_programming_error():
     with pytest.raises(ValueError, match="environment"):
         run([ON], None)
+
+
+def test_an_accepted_state_that_does_not_settle_counts_as_rejected():
+    result = run([ON], Unstable([[FALSE], [TRUE], [TRUE]], [False, True, True], falls=1))
+    assert result.outcome == "accepted"
+    lost, kept = result.attempts
+    assert (lost.verification.outcome, lost.verification.settled) == (True, False)
+    assert (kept.verification.outcome, kept.verification.settled) == (True, True)
+    assert routes(result)[0][1] == "Dispatch"
+    assert routes(result)[1][1] in {"Retry", "Reroute"}
+    assert kept.diagnoses[0].fact == ON  # of the state that it settled to
+
+
+def test_a_budget_that_is_spent_on_states_that_do_not_settle_is_unresolved_and_says_why():
+    states, verdicts = [[FALSE], [TRUE], [TRUE]], [False, True, True]
+    result = run([ON], Unstable(states, verdicts, falls=9), budget=2)
+    assert (result.outcome, len(result.attempts)) == ("unresolved", 2)
+    assert result.reason == "the last state that was accepted did not survive 20 steps of settling"
+    assert (result.verification.outcome, result.verification.settled) == (True, False)
+
+
+def test_a_start_that_is_accepted_and_does_not_settle_is_corrected_from_where_it_settled():
+    environment = Unstable([[FALSE], [TRUE]], [True, True], falls=1)
+    result = run([ON], environment)
+    assert (result.outcome, len(result.attempts)) == ("accepted", 1)
+    assert (result.lost.outcome, result.lost.settled) == (True, False)
+    result = run([ON], Unstable([[FALSE], [TRUE]], [True, True], falls=1), budget=0)
+    assert (result.outcome, result.attempts, result.verification) == ("unresolved", (), result.lost)
+    assert result.reason.endswith("did not survive 20 steps of settling")
 
 
 def test_a_route_that_nothing_serves_ends_unresolved_and_says_so():

@@ -19,17 +19,19 @@ from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema
 from onto_compiler.wording import counted
 from runtime.commands.opening import start_of
-from runtime.commands.options import chosen_state
+from runtime.commands.options import chosen_state, settled_words
 from runtime.report.filmstrip import moments, write_film
 from runtime.trace.names import file_name
 from runtime.trace.narrate import narrate
 from runtime.trace.store import TraceStore
 from runtime.trace.summary import episode_summary
 from runtime.wording import wrapped
+from runtime.worlds.libero.demos.fixtures import fixtures_of
 from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.simulator.assets import named_task
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.simulator.native import NativeTask
+from runtime.worlds.libero.simulator.own_code import import_own
 from runtime.worlds.libero.skills.episode import EpisodePlayer, EpisodeRecord
 from runtime.worlds.libero.skills.offers import Carrying
 from runtime.worlds.libero.skills.offset_grid import OffsetGrid
@@ -51,7 +53,9 @@ def play(options: argparse.Namespace) -> int:
         horizon = horizon_of(stage.ref.suite) if options.horizon is None else options.horizon
         start, state = start_of(chosen_state(options))
         with Console(stderr=True).status("playing"):
-            performance = stage.perform(start, horizon, state=state, look_ahead=options.look_ahead)
+            performance = stage.perform(
+                start, horizon, state=state, settle=options.settle, look_ahead=options.look_ahead
+            )
         if store is not None:
             _record(options.out, store, performance)
     episode, schema = performance.episode, stage.knowledge.schema
@@ -68,15 +72,18 @@ def play(options: argparse.Namespace) -> int:
 @contextmanager
 def _stage(options: argparse.Namespace, knowledge: Knowledge) -> Iterator[EpisodePlayer]:
     ref = named_task(options.task)
+    import_own(options.imports, ref.bddl.parent)
     with Console(stderr=True).status(f"building the scene of {ref.name}"):
         required = required_of(ref, knowledge, ordered=True)
         refuse_impossible(required, knowledge.schema)
-        scene = compile_scene(ref.bddl, options.seed)
+        scene = compile_scene(ref.bddl, options.seed or 0)
+        if options.model is not None:
+            scene = scene.placing(fixtures_of(options.model, scene.model))
         player = Player(scene, required, knowledge)
         if options.candidates == "offset-grid":
             grid = OffsetGrid(knowledge.schema)
             player.skills = {name: grid if isinstance(each, Carrying) else each for name, each in player.skills.items()}
-        replay = NativeReplay(NativeTask.open(ref, options.seed), required, knowledge.schema)
+        replay = NativeReplay(NativeTask.open(ref, scene.seed), required, knowledge.schema)
     with replay:
         yield EpisodePlayer(ref, required, knowledge, scene, player, replay, options.candidates.replace("-", "_"))
 
@@ -124,3 +131,4 @@ def _story(performance: EpisodeRecord, schema: Schema) -> Iterator[str]:
         f"  {settings['control_steps']} of {settings['horizon']} control steps in "
         f"{counted(attempts, 'attempt')}, {settings['play']} play; {settings['rehearsed_steps']} rehearsed"
     )
+    yield f"  The start was {settled_words(settings['start_settle_steps'])}."

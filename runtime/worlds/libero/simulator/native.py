@@ -13,15 +13,14 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
-from onto_compiler.bddl.dialects import LIBERO, dialect_of
-from onto_compiler.bddl.parse import parse_file
 from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
 from runtime.worlds import snapshot
+from runtime.worlds.fixtures import FixturePoses, poses_in
 from runtime.worlds.flat_state import FlatStates, write_qpos
 from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.assets import TaskRef
-from runtime.worlds.libero.simulator.missing_asset import advice, missing_asset
+from runtime.worlds.libero.simulator.build_fault import build_fault
 from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, randomization_error
 from runtime.worlds.native_import import quiet
 from runtime.worlds.snapshot import BAD_NUMBERS, Snapshot
@@ -66,11 +65,7 @@ class NativeTask:
                 # LIBERO's own reset tries again for ever, and after any exception.
                 _until_placed(self._control.env.reset, crowded)
             except Exception as error:  # LIBERO has no exceptions of its own: a bad file may raise any
-                if (asset := missing_asset(error)) is not None:
-                    message = f"LIBERO's asset file `{asset}` is missing"
-                    raise OntoError.of("SIM020", message, advice(asset), str(bddl)) from error
-                message = f"LIBERO cannot build this task: {type(error).__name__} {error}"
-                raise OntoError.of("SIM016", message, _hint(bddl), str(bddl)) from error
+                raise build_fault(error, bddl) from error
             finally:
                 np.random.set_state(global_state)  # noqa: NPY002  as above
         goal = self.env.parsed_problem["goal_state"]
@@ -79,6 +74,7 @@ class NativeTask:
             # Every step asks for success as well, and LIBERO asserts that it knows the predicate.
             self.env.parsed_problem["goal_state"] = []
         self._fresh = self.snapshot()
+        self._unplaced: FixturePoses | None = None  # where fixtures stand before a reset places them
 
     @classmethod
     def open(cls, ref: TaskRef, seed: int = 0) -> Self:
@@ -118,15 +114,40 @@ class NativeTask:
         """The length of LIBERO's flat state: time, qpos, qvel."""
         return int(1 + self.model.nq + self.model.nv)
 
-    def reset_to(self, state: ArrayLike) -> None:
+    def reset_to(self, state: ArrayLike, fixtures: FixturePoses | None = None) -> None:
         """Go to a flat ``state`` (1 + nq + nv,) as ``reset`` followed by LIBERO's ``set_init_state`` would.
 
-        Raises ``SIM004`` when it is another scene's, ``SIM003`` when it is not finite.
+        The fixtures stand where ``fixtures`` says, otherwise where the seed has placed them.
+        Raises ``SIM004`` when the state is another scene's, ``SIM003`` when it is not finite.
         """
         flat = FlatStates(self.model, self.bddl.stem).checked(state)
         with quiet():
-            self.restore(self._fresh)
+            self.restore(self._fresh.placed(fixtures))
             self._control.set_init_state(flat)
+
+    def reset_seeded(self, seed: int) -> None:
+        """LIBERO's own reset after ``seed``: to the state in which a new task of that seed begins.
+
+        It takes some milliseconds, as the scene is not built anew. Raises ``SIM016``.
+        """
+        env = self.env
+        start = self._unplaced = self._unplaced or poses_in(env.model.get_xml(), self.model)
+
+        def reset() -> None:
+            self.model.body_pos[:], self.model.body_quat[:] = start.body_pos, start.body_quat
+            env.reset()
+
+        global_state = np.random.get_state()  # noqa: NPY002  robosuite samples from numpy's global generator
+        env.hard_reset = False
+        try:
+            with quiet():
+                self._control.seed(seed)
+                _until_placed(reset, randomization_error())
+        except randomization_error() as error:
+            raise build_fault(error, self.bddl) from error
+        finally:
+            env.hard_reset = True
+            np.random.set_state(global_state)  # noqa: NPY002  as above
 
     def reset_as_evaluations_do(self, state: ArrayLike) -> None:
         """LIBERO's own ``reset`` followed by ``set_init_state``: the fixtures are placed anew, and time passes.
@@ -210,17 +231,6 @@ class NativeTask:
         snapshot.put(self.env, saved)
         for kind in BAD_NUMBERS:
             self.data.warning[kind].number = 0
-
-
-def _hint(bddl: Path) -> str:
-    """What to look at where LIBERO cannot build a task; a task of another domain is none of its own."""
-    try:
-        dialect = dialect_of(parse_file(bddl).domain)
-    except OntoError:
-        dialect = LIBERO
-    if dialect is not LIBERO:
-        return f"it is a task of {dialect.name}, which LIBERO does not play"
-    return "look at the task file with `onto compile`; where that is sound, an asset may be damaged"
 
 
 def _until_placed(act: Callable[[], object], crowded: type[Exception]) -> None:

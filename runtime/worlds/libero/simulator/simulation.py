@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from onto_compiler.problems import OntoError
 from onto_compiler.wording import counted
 from runtime.loop.faults import RunFault
+from runtime.worlds.fixtures import FixturePoses
 from runtime.worlds.flat_state import FlatStates
 from runtime.worlds.libero.simulator.actions import ACTION_SIZE, DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
@@ -86,13 +87,14 @@ class Simulation:
         """LIBERO's flat state: time, qpos, qvel, shape (1 + nq + nv,)."""
         return np.concatenate(([self.data.time], self.data.qpos, self.data.qvel))
 
-    def reset_to(self, state: ArrayLike) -> None:
+    def reset_to(self, state: ArrayLike, fixtures: FixturePoses | None = None) -> None:
         """Go to a flat ``state`` (1 + nq + nv,) as LIBERO's ``reset`` and ``set_init_state`` would: a state write.
 
-        Raises ``SIM004`` when it is another scene's, ``SIM003`` when it is not finite.
+        The fixtures stand where ``fixtures`` says, otherwise as in the scene's home; see :meth:`restore`.
+        Raises ``SIM004`` when the state is another scene's, ``SIM003`` when it is not finite.
         """
         flat = self._flat.checked(state)
-        self.restore(self.scene.home)
+        self.restore(self.scene.home.placed(fixtures))
         data, nq = self.data, self.model.nq
         data.time = flat[0]
         data.qpos[:] = flat[1 : 1 + nq]

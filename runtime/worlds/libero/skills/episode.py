@@ -33,6 +33,7 @@ from runtime.loop.records import (
     state_digest,
 )
 from runtime.loop.routing import route_or_none
+from runtime.worlds.environment import settling
 from runtime.worlds.libero.loop.environment import PREMISE_STEPS
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import CompiledScene
@@ -111,11 +112,13 @@ class EpisodePlayer:
         horizon: int,
         *,
         state: ArrayLike | None = None,
+        settle: int | None = None,
         look_ahead: bool = False,
         report: Callable[[Attempt], None] | None = None,
     ) -> EpisodeRecord:
-        """Start from official initial state ``state_index`` (or, GIVEN, a flat ``state``), settle, play, and record.
+        """Start from official initial state ``state_index`` (or, GIVEN, a flat ``state``), play, and record.
 
+        ``settle`` is how many control steps without motion come first, where :func:`settling`'s are not wanted.
         ``report`` is called with each attempt as soon as it is recorded.
 
         Raises:
@@ -124,8 +127,9 @@ class EpisodePlayer:
         """
         sim = _Watched(self.scene, exact=True)
         sim.reset_to(self._official(sim, state_index) if state is None else state)
+        steps = settling(state, settle, PREMISE_STEPS)
         try:
-            sim.settle(PREMISE_STEPS)
+            sim.settle(steps)
         except RunFault as fault:
             raise OntoError.of("SIM019", f"`{self.ref.name}` diverged while its state settled: {fault}") from fault
         start = sim.snapshot()
@@ -140,6 +144,7 @@ class EpisodePlayer:
             "horizon": horizon,
             "control_steps": self.replay.steps,
             "rehearsed_steps": played.rehearsed,
+            "start_settle_steps": steps,
         }
         unmet_premise = ~satisfied(self.required.premise, take.premise)
         outcome, verification = take.end()

@@ -75,7 +75,12 @@ class NativeReplay:
             OntoError: ``SIM018``, where LIBERO cannot judge the goal.
         """
         verification = self._environment.verify()
-        return self._environment.settle(verification) if verification.outcome else verification
+        if not verification.outcome:
+            return verification
+        before = self._task.snapshot()
+        settled = self._environment.settle(verification)
+        self._task.restore(before)
+        return settled
 
     def close(self) -> None:
         """Free the native environment."""

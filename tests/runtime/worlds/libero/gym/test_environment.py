@@ -68,7 +68,7 @@ def test_a_flat_state_of_ones_own_is_kept_as_well(env, actions):
 
     state = initial_states(find_task(*TASK.split("/")))[11]
     asked = run(env, actions, options={"state_index": 11})
-    own = run(env, actions, options={"state": state})
+    own = run(env, actions, options={"state": state, "settle": 10})
     assert env.reset()[1]["state_index"] == -1
     assert all(map(same, asked, own))
 

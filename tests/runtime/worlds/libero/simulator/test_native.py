@@ -195,7 +195,8 @@ def test_a_scene_without_room_for_its_objects_is_refused_and_not_tried_for_ever(
     (tmp_path / "crowded.bddl").write_text(text.replace(bowl, plate))  # one on the other's place
     problem = fault(NativeTask, tmp_path / "crowded.bddl")
     assert problem.code == "SIM016"
-    assert "RandomizationError" in problem.message
+    assert problem.message.startswith("two objects have no room in region `main_table_plate_region`: ")
+    assert all(name in problem.message for name in ("`plate_1`", "`akita_black_bowl_1`"))
 
 
 def test_nothing_is_printed_on_stdout(ref, state, capfd):

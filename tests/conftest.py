@@ -2,12 +2,13 @@
 
 The list is made by measuring. ``pytest --measure-slow``, alone or with ``-n``, writes it anew for the files that it
 runs, in seconds of processor time of a test and of the processes that it started, which a busy machine hardly changes.
-A name in the list that stands for no test is an error, so that it cannot go stale unseen.
+A name in the list that stands for no test is warned of, so that it cannot go stale unseen.
 """
 
 from __future__ import annotations
 
 import resource
+import warnings
 from collections import defaultdict
 from pathlib import Path
 
@@ -53,7 +54,7 @@ def pytest_collection_modifyitems(config, items):
             item.add_marker("slow")
     chosen_by_name = any("::" in argument for argument in config.args)
     if not chosen_by_name and (old := stale(names, items, config.rootpath)):
-        raise pytest.UsageError(f"tests/slow.txt names what is no test: {', '.join(old)}; take the lines out")
+        warnings.warn(pytest.PytestWarning(f"tests/slow.txt names what is no test: {', '.join(old)}"), stacklevel=1)
 
 
 def _processor_seconds():

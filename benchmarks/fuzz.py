@@ -250,4 +250,5 @@ FUZZ = Protocol(
     run=run,
     metrics=metrics,
     timed=frozenset({"worst_ms", "worst_input", "peak_mib"}),
+    of_tree=frozenset({"past_lexer", "checked", "clean", "problems", "codes"}),
 )

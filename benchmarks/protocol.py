@@ -45,7 +45,8 @@ class Protocol:
     Trials that are timed run ``alone``: in this process, one after another, when all others are done, however many
     processes there might be. ``parts`` names the field of a trial by whose values the protocol can be run part by part
     (``onto bench NAME --part VALUE``). ``timed`` names the fields of a row that differ from run to run: times and
-    memory. ``result`` is the name of the published file, where it is not the protocol's.
+    memory. ``of_tree`` names those that follow from this tree's own ontology and examples, which the trials take as
+    their input: another commit has others. ``result`` is the name of the published file, if not the protocol's.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Protocol:
     alone: Callable[[Trial], bool] = _together
     parts: str = ""
     timed: frozenset[str] = frozenset()
+    of_tree: frozenset[str] = frozenset()
     result: str = ""
 
     @property

@@ -1,7 +1,8 @@
 """Do the published figures still hold? A sample of their rows is made again on the present tree and compared.
 
-A trial is run by its own protocol, in an empty working folder, so that nothing is taken from an earlier run, and every
-field of its rows is compared to the last digit, but for what the protocol says is timed.
+A trial is run by its own protocol, in an empty working folder, so that nothing is taken from an earlier run. Every
+published field of its rows is compared to the last digit, but for what the protocol says is timed, or follows from the
+ontology of the tree. A field that was added since cannot be compared; such fields are counted and named.
 """
 
 from __future__ import annotations
@@ -75,21 +76,53 @@ def run(trial: Trial) -> list[Row]:
     before = _published(protocol.name)[trial["trial"]["key"]]
     with _empty_folder():
         after = run_trial(protocol, trial["trial"])
-    found = list(compared(untimed(protocol, before), untimed(protocol, json.loads(json.dumps(after)))))
-    return [{"mode": "none", "sees": "none", "rows": len(before), "differ": len(found), "differences": found[:SHOWN]}]
+    old, new = (_comparable(protocol, rows) for rows in (before, json.loads(json.dumps(after))))
+    found = list(compared(old, new))
+    added = sorted({name for one, other in zip(old, new, strict=False) for name in added_fields(one, other)})
+    figures = {"rows": len(before), "differ": len(found), "differences": found[:SHOWN], "added": added}
+    return [{"mode": "none", "sees": "none", **figures}]
+
+
+def _comparable(protocol: Protocol, rows: Sequence[Row]) -> list[Row]:
+    return [
+        {name: value for name, value in row.items() if name not in protocol.of_tree} for row in untimed(protocol, rows)
+    ]
+
+
+def added_fields(old: Any, new: Any, path: str = "") -> Iterator[str]:  # noqa: ANN401 - JSON
+    """The paths of fields that ``new`` has and ``old`` lacks."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        for name, value in new.items():
+            here = f"{path}.{name}" if path else name
+            if name in old:
+                yield from added_fields(old[name], value, here)
+            else:
+                yield here
+    elif isinstance(old, list) and isinstance(new, list) and len(old) == len(new):
+        for one, other in zip(old, new, strict=True):
+            yield from added_fields(one, other, f"{path}[]")
+
+
+def _same(old: Any, new: Any) -> bool:  # noqa: ANN401 - JSON
+    """Whether ``new`` has all that ``old`` has, and the same; fields that were added aside."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        return all(name in new and _same(value, new[name]) for name, value in old.items())
+    if isinstance(old, list) and isinstance(new, list):
+        return len(old) == len(new) and all(map(_same, old, new))
+    return type(old) is type(new) and bool(old == new)
 
 
 def compared(before: Sequence[Row], after: Sequence[Row]) -> Iterator[Mapping[str, Any]]:
-    """Each field in which two runs' rows differ, by the row's number; a missing row differs in being there."""
+    """Each published field in which two runs' rows differ, by the row's number; a missing row is named as well."""
     if len(before) != len(after):
         yield {"row": min(len(before), len(after)), "field": "rows", "published": len(before), "now": len(after)}
     for number, (old, new) in enumerate(zip(before, after, strict=False)):
         if "crashed" in new and "crashed" not in old:
             yield {"row": number, "field": "crashed", "published": None, "now": new["crashed"]}
             continue
-        for name in dict.fromkeys((*old, *new)):
-            if name not in old or name not in new or old[name] != new[name]:
-                yield {"row": number, "field": name, "published": old.get(name), "now": new.get(name)}
+        for name, value in old.items():
+            if name not in new or not _same(value, new[name]):
+                yield {"row": number, "field": name, "published": value, "now": new.get(name)}
 
 
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
@@ -100,6 +133,7 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
         "trials": len(whole),
         "rows": sum(row["rows"] for row in whole),
         "differences": sum(row["differ"] for row in whole),
+        "added_fields": len({(row["protocol"], name) for row in whole for name in row["added"]}),
         "crashed": len(rows) - len(whole),
     }
 

@@ -258,4 +258,5 @@ VALIDATOR = Protocol(
     run=run,
     metrics=metrics,
     timed=frozenset({"validate_s", "engine_s", "plain_s", "pyshacl_s"}),
+    of_tree=frozenset({"records", "invalid", "results_differ", "unequal_seeds", "triples", "results"}),
 )

@@ -17,14 +17,12 @@ from onto_compiler.record.forms import (
     INDEX,
     INTEGER,
     TEXT,
-    Inline,
     Iri,
     Numbers,
-    Part,
-    Parts,
     of_class,
     of_datatype,
 )
+from onto_compiler.record.parts import Inline, Part, Parts
 from onto_compiler.record.places import Known, Spot, Statement, Subject
 from onto_compiler.record.table import Derived, Field, PropertyShape, Record
 from onto_compiler.record.walk import quads_of, write_record

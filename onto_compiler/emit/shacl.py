@@ -66,7 +66,8 @@ def _header(tbox: TBox, body: str) -> str:
 
 
 def _properties(tbox: TBox) -> tuple[str, ...]:
-    return tbox.declared("ObjectProperty", "DatatypeProperty", "FunctionalProperty", "InverseFunctionalProperty")
+    kinds = ("ObjectProperty", "DatatypeProperty", "FunctionalProperty", "InverseFunctionalProperty")
+    return tuple(iri for iri in tbox.declared(*kinds) if tbox.text(iri, OWL + "deprecated") != "true")
 
 
 def _shape(kind: str, iri: str, pairs: list[Pair]) -> str:

@@ -1,4 +1,4 @@
-"""The forms that a field's value takes in RDF: literals, individuals, other records, and references to them."""
+"""The forms that a plain value takes in RDF: a literal, an individual, a reference to a record (or to several)."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from pyoxigraph import Literal
 
 from onto_compiler.rdf import TRACE, XSD, boolean, double, integer, node, shorten
 from onto_compiler.record.places import Spot, Statement, Subject, Term
-from onto_compiler.record.table import Field, PropertyShape, Record
-from onto_compiler.record.walk import read_record, write_record
+from onto_compiler.record.table import Field, PropertyShape
 
 __all__ = [
     "BOOLEAN",
@@ -20,13 +19,11 @@ __all__ = [
     "INTEGER",
     "LITERAL",
     "TEXT",
-    "Inline",
     "Iri",
     "Number",
     "Numbers",
-    "Part",
-    "Parts",
     "Scalar",
+    "Single",
     "Sorted",
     "Word",
     "of_class",
@@ -50,7 +47,7 @@ def of_class(iri: str) -> tuple[tuple[tuple[str, str], ...], str]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Single:
+class Single:
     """What forms with one value of one property have in common."""
 
     def present(self, field: Field, subject: Subject) -> bool:
@@ -94,7 +91,7 @@ class _Single:
 
 
 @dataclass(frozen=True, slots=True)
-class Scalar(_Single):
+class Scalar(Single):
     """A literal of one datatype; ``bounds`` are further constraints on it, with how they are said."""
 
     datatype: str
@@ -136,7 +133,7 @@ BOOLEAN = Scalar(XSD + "boolean", "boolean", boolean, _truth)
 
 
 @dataclass(frozen=True, slots=True)
-class _AnyLiteral(_Single):
+class _AnyLiteral(Single):
     """Text, a number or a truth value, each as a literal of its own datatype."""
 
     json: str = "any"
@@ -165,7 +162,7 @@ LITERAL = _AnyLiteral()
 
 
 @dataclass(frozen=True, slots=True)
-class Iri(_Single):
+class Iri(Single):
     """A value that is an IRI itself: an instance of ``cls``, or one of ``among``.
 
     ``word`` names the kind of its short names in JSON (:mod:`onto_compiler.emit.words`); ``say`` makes such a name.
@@ -203,7 +200,7 @@ class Iri(_Single):
 
 
 @dataclass(frozen=True, slots=True)
-class Word(_Single):
+class Word(Single):
     """A short word for one of a class's individuals: ``words`` has their IRIs."""
 
     word: str
@@ -231,7 +228,7 @@ class Word(_Single):
 
 
 @dataclass(frozen=True, slots=True)
-class Number(_Single):
+class Number(Single):
     """The number of another record, which becomes a reference to it: ``path`` leads there."""
 
     path: str
@@ -327,134 +324,3 @@ class Sorted:
         """Any number of integers."""
         pairs, wanted = of_datatype(XSD + "integer")
         yield PropertyShape(field.term, 0, 0, pairs, wanted)
-
-
-@dataclass(frozen=True, slots=True)
-class Inline:
-    """A record that is said of the subject of the record that holds it."""
-
-    record: Record
-    json: str = "record"
-
-    def write(self, field: Field, value: Any, spot: Spot) -> Iterator[Statement]:  # noqa: ANN401 - a record
-        """Its statements."""
-        del field
-        yield from write_record(self.record, spot.part(value, spot.iri, spot.graph))
-
-    def present(self, field: Field, subject: Subject) -> bool:
-        """Whether its first field is there."""
-        del field
-        first = self.record.fields[0]
-        return first.form.present(first, subject)
-
-    def read(self, field: Field, subject: Subject) -> Any:  # noqa: ANN401 - a record
-        """The record."""
-        del field
-        return read_record(self.record, subject)
-
-    def printed(self, value: Any, names: Names) -> Any:  # noqa: ANN401 - a record
-        """Rows have the fields of such a record in the place of it."""
-        del names
-        return value
-
-    def shapes(self, field: Field) -> Iterable[PropertyShape]:
-        """Those of its fields, none of which must be there where it may be missing as a whole."""
-        for inner in self.record.fields:
-            for shape in inner.form.shapes(inner):
-                least = shape.least if field.needed and field.asked else 0
-                yield PropertyShape(shape.path, least, shape.most, shape.pairs, shape.wanted)
-
-
-@dataclass(frozen=True, slots=True)
-class Part(_Single):
-    """Another record, at ``path``, in a graph of its own where it is to have one."""
-
-    record: Record
-    at: str
-    graph: bool = False
-    json: str = "record"
-
-    @property
-    def constraint(self) -> tuple[tuple[tuple[str, str], ...], str]:
-        """What SHACL asks of the value."""
-        return of_class(self.record.type)
-
-    def write(self, field: Field, value: Any, spot: Spot) -> Iterator[Statement]:  # noqa: ANN401 - a record
-        """One statement."""
-        iri = spot.path(self.at)
-        yield from spot.say(field.term, node(iri))
-        yield from write_record(self.record, spot.part(value, iri, iri if self.graph else ""))
-
-    def read(self, field: Field, subject: Subject) -> Any:  # noqa: ANN401 - a record
-        """The value."""
-        return read_record(self.record, subject.at(subject.need(field.term).value))
-
-
-@dataclass(frozen=True, slots=True)
-class Parts:
-    """Several records in order, at ``at`` with their number in the place of ``{}``.
-
-    ``reverse``: they point to the record that holds them. ``own``: they know their number themselves, as a field
-    ``index``; else it is their place. ``split`` and ``join`` lead from the field's value to the records and back;
-    ``graph``: the path of the graph that they stand in, ``{}`` for one of their own. ``find`` takes the place of a
-    field's term where nothing points to them. ``show`` makes the JSON of the field's value, of the kind ``json``.
-    """
-
-    record: Record
-    at: str
-    reverse: bool = False
-    own: bool = False
-    graph: str = ""
-    split: Callable[[Any, Spot], Sequence[Any]] = lambda value, _: value
-    join: Callable[[list[Any]], Any] = tuple
-    find: Callable[[Subject], list[Subject]] | None = None
-    json: str = "list"
-    show: Callable[[Any], Any] = lambda value: value
-
-    def write(self, field: Field, value: Any, spot: Spot) -> Iterator[Statement]:  # noqa: ANN401 - any number of records
-        """The link, the number and the statements of each."""
-        for place, record in enumerate(self.split(value, spot)):
-            iri = spot.path(self.at, record.index if self.own else place)
-            graph = iri if self.graph == "{}" else spot.path(self.graph) if self.graph else spot.graph
-            part = spot.part(record, iri, graph)
-            if self.reverse:
-                yield from part.say(field.term, node(spot.iri))
-            elif field.term:
-                yield from spot.say(field.term, node(iri))
-            if not self.own:
-                yield from part.say(INDEX, integer(place))
-            yield from write_record(self.record, part)
-
-    def present(self, field: Field, subject: Subject) -> bool:
-        """No records are as good as any number."""
-        del field, subject
-        return True
-
-    def read(self, field: Field, subject: Subject) -> Any:  # noqa: ANN401 - as above
-        """The records by number."""
-        if self.find is not None:
-            found = self.find(subject)
-        elif self.reverse:
-            found = [each for each in subject.back(field.term) if each.is_a(self.record.type)]
-        else:
-            found = subject.follow(field.term)
-        return self.join([read_record(self.record, each) for each in sorted(found, key=_index)])
-
-    def printed(self, value: Any, names: Names) -> Any:  # noqa: ANN401 - as above
-        """What ``show`` makes of them."""
-        del names
-        return self.show(value)
-
-    def shapes(self, field: Field) -> Iterable[PropertyShape]:
-        """Records of their class; at least one where the field may not be empty."""
-        if field.term and not self.reverse:
-            pairs, wanted = of_class(self.record.type)
-            yield PropertyShape(field.term, int(field.needed and field.asked), 0, pairs, wanted)
-
-
-def _index(subject: Subject) -> int:
-    term = subject.need(INDEX)
-    try:
-        return int(term.value)
-    except ValueError as error:
-        raise subject.fault(f"has the unusable value `{term.value}` of `trace:index`") from error

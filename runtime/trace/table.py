@@ -6,11 +6,10 @@ the JSON of the commands, its JSON Schema and the SHACL shapes follow from here.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from pyoxigraph import NamedNode
 
 from grounding.observation import Observation
@@ -22,23 +21,19 @@ from onto_compiler.record.forms import (
     INTEGER,
     LITERAL,
     TEXT,
-    Inline,
     Iri,
     Number,
-    Part,
-    Parts,
     Scalar,
     Sorted,
     Word,
     of_class,
 )
+from onto_compiler.record.parts import Inline, Part, Parts
 from onto_compiler.record.places import Spot, Subject
 from onto_compiler.record.table import NAN, Derived, Field, Record
-from onto_compiler.required import Fact
 from onto_compiler.required_rdf import ALTERNATIVE, FACT, NATIVE_ATOM, REQUIRED_ABOX
 from onto_compiler.schema import Schema
 from onto_compiler.tables import ABSENT, EXPLICITLY_FALSE, LEVELS, MARGIN_VIOLATED, STATUSES
-from runtime.loop.diagnosis import evidence_status
 from runtime.loop.records import (
     Application,
     Attempt,
@@ -51,6 +46,7 @@ from runtime.loop.records import (
     Verification,
 )
 from runtime.trace.forms import ARRAY, Diagnosed, FactReference, OfDiagnosis, diagnosis_iri
+from runtime.trace.members import Seen, Setting, fact_of, join, named_values, settings, split
 from runtime.trace.names import ENDS, MODES, OUTCOMES, SOURCES, run_of
 from runtime.trace.older import from_json, pairs, vector
 from runtime.wording import short_name
@@ -96,55 +92,12 @@ def _maker(spot: Spot) -> str:
 # What one source says of the facts
 
 
-@dataclass(frozen=True, slots=True)
-class _Seen:
-    """One entry of the arrays of an observation."""
-
-    status: str
-    truth: bool | None
-    margin: float
-    score: float
-    limit: str
-
-
 _ARRAYS = "observed truth margin score limit"
-
-
-def _about(spot: Spot) -> str:
-    """The IRI of the ABox whose facts an observed one speaks of."""
-    premise = f"{spot.top}/premise"
-    return premise if spot.iri.startswith(premise) else f"{spot.top}/required"
-
-
-def _split(value: tuple[Any, ...], spot: Spot) -> list[_Seen]:
-    observed, truth, margin, score, limit = value
-    required = spot.holder("required").required
-    facts: tuple[Fact, ...] = required.premise if _about(spot).endswith("/premise") else required.facts
-    codes = evidence_status(facts, spot.record)
-    return [
-        # A source without evidence states no truth value.
-        _Seen(STATUSES[code], holds if seen or holds else None, float(margin[i]), float(score[i]), limit[i])
-        for i, (code, seen, holds) in enumerate(zip(codes, map(bool, observed), map(bool, truth), strict=True))
-    ]
-
-
-def _join(rows: Sequence[_Seen]) -> tuple[Any, ...]:
-    return (
-        np.array([row.status != ABSENT for row in rows], dtype=np.bool_),
-        np.array([bool(row.truth) for row in rows], dtype=np.bool_),
-        np.array([row.margin for row in rows], dtype=np.float64),
-        np.array([row.score for row in rows], dtype=np.float64),
-        tuple(row.limit for row in rows),
-    )
-
-
-def _fact_of(spot: Spot) -> str:
-    return f"{_about(spot)}/fact/{spot.iri.rpartition('/')[2]}"
 
 
 _PROBABILITY = (("sh:minInclusive", "0.0e0"), ("sh:maxInclusive", "1.0e0")), "an xsd:double between 0 and 1"
 OBSERVED_FACT = Record(
-    _Seen,
+    Seen,
     CORE + "ObservedFact",
     (
         Field("status", CORE + "status", Iri(word="status", among=tuple(sorted(STATUSES)), say=_status)),
@@ -156,9 +109,9 @@ OBSERVED_FACT = Record(
         Field("limit", CORE + "limit", TEXT, missing=""),
     ),
     (
-        Derived(CORE + "fact", lambda spot: (node(_fact_of(spot)),), *of_class(CORE + "RequiredFact")),
+        Derived(CORE + "fact", lambda spot: (node(fact_of(spot)),), *of_class(CORE + "RequiredFact")),
         Derived(CORE + "source", lambda spot: (_SOURCE.term(spot.holder("source").source),), *_SOURCE.constraint),
-        _link(_DERIVED, _fact_of),
+        _link(_DERIVED, fact_of),
     ),
     about="What an observed fact must have.",
 )
@@ -169,7 +122,7 @@ OBSERVATION = Record(
         Field("source", CORE + "source", _SOURCE),
         Field("step", TRACE + "step", INTEGER),
         Field(
-            _ARRAYS, TRACE + "memberFact", Parts(OBSERVED_FACT, "observation/{}", split=_split, join=_join), asked=False
+            _ARRAYS, TRACE + "memberFact", Parts(OBSERVED_FACT, "observation/{}", split=split, join=join), asked=False
         ),
     ),
     (
@@ -375,33 +328,16 @@ EXECUTED_PLAN = Record(
 # The whole
 
 
-@dataclass(frozen=True, slots=True)
-class _Setting:
-    """A name with its value."""
-
-    name: str
-    value: Any
-
-
 SETTING = Record(
-    _Setting,
+    Setting,
     TRACE + "Setting",
     (Field("name", TRACE + "name", TEXT), Field("value", TRACE + "value", LITERAL)),
     about="What a setting must have.",
 )
 
 
-def _settings(pairs: Sequence[tuple[str, Any]], spot: Spot) -> list[_Setting]:
-    del spot
-    return [_Setting(name, value) for name, value in pairs]
-
-
-def _pairs(settings: Sequence[_Setting]) -> tuple[tuple[str, Any], ...]:
-    return tuple((each.name, each.value) for each in settings)
-
-
 def _named(path: str) -> Parts:
-    return Parts(SETTING, path, split=_settings, join=_pairs, json="object", show=dict)
+    return Parts(SETTING, path, split=settings, join=named_values, json="object", show=dict)
 
 
 def _whole(path: str) -> Part:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from benchmarks.protocol import Protocol, load_protocols, protocol_named
-from benchmarks.replay import BUDGET, MOST, REPLAY, compared, run, sampled, trials_of
+from benchmarks.replay import BUDGET, MOST, REPLAY, added_fields, compared, run, sampled, trials_of
 from onto_compiler.problems import OntoError
 
 NOT_CHEAP = {  # none of their trials takes less than some seconds, or they are not published yet
@@ -41,16 +41,26 @@ def test_a_row_that_the_protocol_lists_no_more_is_not_drawn():
 
 def test_every_field_that_differs_is_found_and_so_are_missing_rows():
     old, new = {"a": 1, "b": [0.1], "gone": 0}, {"a": 1, "b": [0.1 + 1e-17, 2], "come": None}
-    assert [each["field"] for each in compared([old], [new])] == ["b", "gone", "come"]
+    assert [each["field"] for each in compared([old], [new])] == ["b", "gone"]
+    assert list(added_fields(old, new)) == ["come"]
     assert [each["field"] for each in compared([old, old], [old])] == ["rows"]
     assert list(compared([old], [dict(old)])) == []
     assert [each["now"] for each in compared([old], [{"crashed": "Boom"}])] == ["Boom"]
 
 
+def test_a_field_that_was_added_within_a_record_is_no_difference_and_a_changed_one_is():
+    old = {"tries": [{"route": "a", "steps": 3}]}
+    assert list(compared([old], [{"tries": [{"route": "a", "steps": 3, "reason": ""}]}])) == []
+    assert list(added_fields(old, {"tries": [{"route": "a", "steps": 3, "reason": ""}]})) == ["tries[].reason"]
+    assert [each["field"] for each in compared([old], [{"tries": [{"route": "a", "steps": 4}]}])] == ["tries"]
+    assert [each["field"] for each in compared([old], [{"tries": []}])] == ["tries"]
+    assert [each["field"] for each in compared([{"truth": 1}], [{"truth": True}])] == ["truth"]
+
+
 def test_the_figures_count_what_differs():
-    row = {"key": "x", "protocol": "short", "rows": 3, "differ": 2}
+    row = {"key": "x", "protocol": "short", "rows": 3, "differ": 2, "added": ["a"]}
     found = REPLAY.metrics([row, row | {"protocol": "other", "differ": 0}, {"key": "y", "crashed": "Boom"}])
-    assert found == {"protocols": 2, "trials": 2, "rows": 6, "differences": 2, "crashed": 1}
+    assert found == {"protocols": 2, "trials": 2, "rows": 6, "differences": 2, "added_fields": 2, "crashed": 1}
 
 
 @pytest.mark.sim

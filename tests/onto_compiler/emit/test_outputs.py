@@ -73,7 +73,8 @@ def test_the_order_of_blank_nodes_in_the_file_does_not_show(tmp_path):
         assert emit(output, read_tbox([tmp_path / "a.ttl"])) == emit(output, read_tbox([tmp_path / "b.ttl"]))
 
 
-@pytest.mark.parametrize("output", OUTPUTS)
+# The records of a trace are those of the program, whatever a task's ontology says.
+@pytest.mark.parametrize("output", [output for output in OUTPUTS if output != "record_shapes"])
 def test_every_output_grows_with_a_persons_own_ontology(output):
     own = emit(output, read_tbox([ROOT / "docs/examples/served.ttl"]))
     assert re.search(r"\b[Ss]erved", own)

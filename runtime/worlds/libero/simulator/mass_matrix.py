@@ -34,7 +34,7 @@ def mend() -> None:
     bridge = sys.modules.get(_MODULE)
     if bridge is None or not hasattr(bridge, "mujoco"):
         return
-    model = mujoco.MjModel.from_xml_string(_TINY)
+    model = mujoco.MjSpec.from_string(_TINY).compile()  # from a string it would become the model that robosuite saves
     try:
         mujoco.mj_fullM(model, mujoco.MjData(model), np.zeros((1, 1)))
     except TypeError:

@@ -10,6 +10,7 @@ import copy
 import importlib
 import os
 import re
+from functools import partial
 from typing import Any
 
 import mujoco
@@ -45,9 +46,18 @@ def install() -> None:
     compiler = Compiler()
 
     def from_xml_string(cls: Any, xml: str) -> Any:  # noqa: ANN401  an untyped package's class
-        return cls(compiler(xml))
+        made = cls(compiler(xml))
+        made.model.get_xml = partial(_saved, xml, made.model)
+        return made
 
     simulation.from_xml_string = classmethod(from_xml_string)
+
+
+def _saved(xml: str, wrapper: Any) -> str:  # noqa: ANN401  as above
+    """The MJCF of a model with what was changed in it; MuJoCo writes that of what it loaded last, which is loaded again."""
+    mujoco.MjModel.from_xml_string(xml)
+    text: str = type(wrapper).get_xml(wrapper)
+    return text
 
 
 def _key(xml: str) -> Key | None:

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from runtime.worlds.libero.simulator.compiled_once import Compiler
+from runtime.worlds.libero.simulator.compiled_once import Compiler, install
 
 pytestmark = pytest.mark.sim
 CUBE = "v -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nv 0 0 {top}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
@@ -54,3 +54,18 @@ def test_another_scene_is_another_model(xml):
     compiler = Compiler()
     assert compiler(xml).nbody == compiler(xml.replace('name="b"', 'name="c"')).nbody
     assert compiler(xml).body("b").id == 1
+
+
+def test_a_simulation_saves_its_own_model_whatever_was_loaded_since(xml):
+    robosuite = pytest.importorskip("robosuite.utils.binding_utils")
+    kept = robosuite.MjSim.__dict__["from_xml_string"]
+    try:
+        install()
+        first = robosuite.MjSim.from_xml_string(xml)
+        first.model._model.body_pos[1] = (0.5, 0.25, 1.0)
+        before = first.model.get_xml()
+        robosuite.MjSim.from_xml_string('<mujoco><worldbody><body name="other"/></worldbody></mujoco>')
+        assert first.model.get_xml() == before
+        assert 'name="b" pos="0.5 0.25 1"' in before
+    finally:
+        robosuite.MjSim.from_xml_string = kept

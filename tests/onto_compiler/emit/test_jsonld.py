@@ -125,7 +125,15 @@ def test_a_grounding_reads_with_its_status(context):
         "limit": "x",
         "native": "On(a, b)",
     }
-    record = {"suite": "s", "task": "t", "state": 1, "facts": [fact], "premise": [], "native_success": False}
+    record = {
+        "world": "w",
+        "suite": "s",
+        "task": "t",
+        "state": 1,
+        "facts": [fact],
+        "premise": [],
+        "native_success": False,
+    }
     assert set(record) == set(described().rows["Grounding"].columns)
     assert set(fact) == set(described().rows["ObservedFact"].columns)
     graph = read(context, record)

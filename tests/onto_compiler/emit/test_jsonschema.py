@@ -3,6 +3,7 @@
 import copy
 import json
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
@@ -62,8 +63,9 @@ def test_what_onto_compile_prints_is_valid(schema, capsys):
     assert not validator(schema, "Compilation").is_valid(record)  # its predicate is not of the shipped ontology
 
 
-def test_what_onto_compile_says_of_a_folder_is_valid(schema, capsys):
-    record = printed(capsys, f"compile {TASK.parent} --ontology {SERVED} --no-cache --json", CLEAN)
+def test_what_onto_compile_says_of_a_folder_is_valid(schema, capsys, tmp_path):
+    shutil.copy(TASK, tmp_path)
+    record = printed(capsys, f"compile {tmp_path} --ontology {SERVED} --no-cache --json", CLEAN)
     assert [one["facts"] for one in record["files"]] == [1]
     validator(schema, "Batch").validate(record)
     validator(schema).validate(record)

@@ -262,3 +262,19 @@ def test_an_export_holds_the_same_quads_in_every_format(workplace, capsys, shape
 def test_the_named_queries_can_be_listed(workplace, capsys):
     found = json.loads(onto(capsys, "query", "--list", "--json").out)
     assert {query["name"] for query in found} == set(named_queries())
+
+
+def test_episodes_that_differ_in_run_alone_have_names_of_their_own(tmp_path, capsys):
+    for run in ("first", "second"):
+        with TraceStore(tmp_path / "store", samples.SCHEMA, run) as store:
+            store.add(samples.accepted())
+    rows = json.loads(onto(capsys, "list", str(tmp_path / "store"), "--json").out)
+    assert [(row["run"], row["seed"], row["trial"], row["mode"]) for row in rows] == [
+        ("first", 7, 0, "state"),
+        ("second", 7, 0, "state"),
+    ]
+    _, err = onto(capsys, "show", "put_the_bowl_on_the_plate", str(tmp_path / "store"), code=2)
+    offered = [word for word in err.split("`") if word.endswith("/trial-0")]
+    assert len(offered) == len(set(offered)) == 2
+    for name in offered:
+        onto(capsys, "show", name, str(tmp_path / "store"))

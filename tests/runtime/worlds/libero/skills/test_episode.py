@@ -113,7 +113,7 @@ def test_each_attempt_has_its_steps_and_starts_where_the_last_one_ended(performa
 
 def recorded_and_read_back(episode, knowledge):
     """A store with the record, which conforms to the shapes and reads back as it was."""
-    from runtime.trace.names import episode_iri
+    from runtime.trace.names import iri_of
     from runtime.trace.read import read_episode
     from runtime.trace.write import episode_quads
     from tests.runtime.trace.plain import plain
@@ -121,7 +121,7 @@ def recorded_and_read_back(episode, knowledge):
     store = load_store()
     store.extend(episode_quads(episode, knowledge.schema, "run"))
     assert validate(store, compile_shapes(store)) == ()
-    iri = episode_iri("run", episode.suite, episode.task, episode.state_index)
+    iri = iri_of("run", episode)
     assert plain(read_episode(store, iri)) == plain(episode)
     return store
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, add_ontology, print_json
 from runtime.commands.options import add_state, add_task, settled_words, start_options, uncertain_lines
 
 if TYPE_CHECKING:
-    from runtime.commands.tasks import DiagnosedTask, GroundedTask
+    pass
 
 __all__ = ["DIAGNOSE", "GROUND"]
 
@@ -39,7 +39,7 @@ def _ground(options: argparse.Namespace) -> int:
 
     found = ground(options.task, ontology=options.ontology, **start_options(options))
     if options.format == "json":
-        print_json({**GROUNDING.of(found), **_start(found)})
+        print_json(GROUNDING.of(found))
         return CLEAN
     lines = [f"{found.task}, {state_name(found.state)}, {settled_words(found.settle_steps)}"]
     for heading, facts in (("goal", found.facts), ("premise", found.premise)):
@@ -60,11 +60,6 @@ def _ground(options: argparse.Namespace) -> int:
     return CLEAN
 
 
-def _start(found: GroundedTask | DiagnosedTask) -> dict[str, Any]:
-    """How the state was settled, who says where its fixtures stand, and what hangs on that."""
-    return {"settle_steps": found.settle_steps, "fixtures": found.fixtures, "uncertain": list(found.uncertain)}
-
-
 def _diagnose(options: argparse.Namespace) -> int:
     from runtime.commands.tasks import diagnose  # noqa: PLC0415 - as above
     from runtime.loop.records import state_name  # noqa: PLC0415
@@ -74,8 +69,8 @@ def _diagnose(options: argparse.Namespace) -> int:
     found = diagnose(options.task, ontology=options.ontology, **start_options(options))
     rows = found.diagnoses
     if options.format == "json":
-        shown = DIAGNOSES if options.alternatives else DIAGNOSES.pick("task", "state", "diagnoses")
-        print_json({**shown.of(found), **_start(found)})
+        printed = DIAGNOSES.of(found)
+        print_json(printed if options.alternatives else {k: v for k, v in printed.items() if k != "alternatives"})
         return FINDINGS if rows else CLEAN
     heading = f"{found.task}, {state_name(found.state)}, {settled_words(found.settle_steps)}"
     lines = [f"{heading}: {len(rows) or 'no'} unmet of {found.required} required"]

@@ -407,6 +407,25 @@ def _told(name: str) -> Callable[[Any, Schema], Any]:
     return value
 
 
+def _start(value: Callable[[str], Callable[[Any, Schema], Any]]) -> dict[str, Column]:
+    """How the state that is judged came about; ``value`` finds each of these by its name."""
+    return {
+        "settle_steps": Column("integer", value("settle_steps")),
+        "fixtures": Column("string", value("fixtures"), null=True),
+        "uncertain": Column("list:UncertainFact", value("uncertain")),
+    }
+
+
+UNCERTAIN = Row(
+    "A fact whose verdict hangs on where fixtures stood, which a flat state does not say: how far they may be moved.",
+    {
+        "fact": Column("string", _key("fact")),
+        "margin": Column("number", _key("margin"), CORE + "margin", null=True),
+        "unit": Column("word:unit", _key("unit"), CORE + "unit", blank=True),
+        "fixtures": Column("strings", _key("fixtures")),
+        "reach": Column("number", _key("reach")),
+    },
+)
 GROUNDING = Row(
     "What `onto ground --json` prints.",
     {
@@ -417,6 +436,7 @@ GROUNDING = Row(
         "facts": Column("list:ObservedFact", _told("facts"), TRACE + "memberFact"),
         "premise": Column("list:ObservedFact", _told("premise"), TRACE + "declares"),
         "native_success": Column("boolean", _told("native_success"), TRACE + "outcomeTruth", null=True),
+        **_start(_told),
     },
 )
 DIAGNOSES = Row(
@@ -426,6 +446,7 @@ DIAGNOSES = Row(
         "state": Column("integer", _told("state"), TRACE + "stateIndex"),
         "diagnoses": Column("list:UnmetFact", _told("diagnoses"), PROV + "wasGeneratedBy", reverse=True),
         "alternatives": Column("rows:string", _told("alternatives"), optional=True),
+        **_start(_told),
     },
 )
 DEMONSTRATION = Row(
@@ -451,6 +472,7 @@ RECORDED = Described(
         "Grounding": GROUNDING,
         "ObservedFact": OBSERVED,
         "PlannedFact": PLANNED_FACT,
+        "UncertainFact": UNCERTAIN,
         "UnmetFact": UNMET,
         "Verification": VERIFIED,
     },

@@ -54,7 +54,7 @@ def install() -> None:
 
 
 def _saved(xml: str, wrapper: Any) -> str:  # noqa: ANN401  as above
-    """The MJCF of a model with what was changed in it; MuJoCo writes that of what it loaded last, which is loaded again."""
+    """The MJCF of a model as it is now; MuJoCo saves what it loaded last, so that it is loaded again."""
     mujoco.MjModel.from_xml_string(xml)
     text: str = type(wrapper).get_xml(wrapper)
     return text

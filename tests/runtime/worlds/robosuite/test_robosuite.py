@@ -57,7 +57,7 @@ def test_truth_and_sign_are_robosuites_success(name):
 
 @pytest.mark.parametrize("name", TASKS)
 def test_repair_is_judged_by_robosuite(name):
-    episode = runner(name).run(1)
+    episode = runner(name).run(0)
     assert episode.premise_holds
     assert episode.accepted is (name not in UNSERVED)
     assert episode.outcome == ("unresolved" if name in UNSERVED else "accepted")

@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["FIELD", "Edit", "add_a_field"]
+__all__ = ["FIELD", "FileEdit", "add_a_field"]
 
 ROOT = Path(__file__).resolve().parents[1]
 PARTS = ("ontology", "onto_compiler", "grounding", "runtime", "benchmarks", "schema")
@@ -27,7 +27,7 @@ FIELD = "remark"
 
 
 @dataclass(frozen=True, slots=True)
-class Edit:
+class FileEdit:
     """Put ``text`` after the one place of ``file`` that reads ``after``."""
 
     file: str
@@ -60,14 +60,14 @@ trace:reason a owl:DatatypeProperty , owl:FunctionalProperty ;
     rdfs:isDefinedBy <https://w3id.org/onto-evwm/trace> .
 """
 EDITS = (
-    Edit("runtime/loop/records.py", "    settle_steps: int = 0\n", f'    {FIELD}: str = ""\n'),
-    Edit(
+    FileEdit("runtime/loop/records.py", "    settle_steps: int = 0\n", f'    {FIELD}: str = ""\n'),
+    FileEdit(
         "runtime/trace/table.py",
         '        Field("settle_steps", TRACE + "settleSteps", INTEGER, asked=False, key=""),\n',
         f'        Field("{FIELD}", TRACE + "{FIELD}", TEXT, missing=""),\n',
     ),
-    Edit("ontology/trace.ttl", _BEFORE, TERM),
-    Edit(
+    FileEdit("ontology/trace.ttl", _BEFORE, TERM),
+    FileEdit(
         "runtime/trace/narrate.py",
         '    text = f"Verification: {judge} {verdict} {verification.query}"\n',
         f'    text += f" ({{verification.{FIELD}}})" * bool(verification.{FIELD})\n',

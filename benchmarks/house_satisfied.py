@@ -109,13 +109,13 @@ def _planners(facts: Sequence[Fact], seen: Observation, _knowledge: Knowledge) -
 
 
 def _proposers(facts: Sequence[Fact], seen: Observation, _knowledge: Knowledge) -> Answers:
-    from runtime.worlds.libero.proposers.candidates import Candidate, ranked  # noqa: PLC0415
+    from runtime.worlds.libero.proposers.candidates import StateCandidate, ranked  # noqa: PLC0415
 
     def offered(index: int) -> bool:
         request = SimpleNamespace(
             required=_required(facts), diagnosis=SimpleNamespace(index=index), qpos=np.zeros(1), observe=lambda _: seen
         )
-        return any(True for _ in ranked(cast(Any, request), [[Candidate(np.ones(1), "")]]))
+        return any(True for _ in ranked(cast(Any, request), [[StateCandidate(np.ones(1), "")]]))
 
     return tuple(offered(index) for index in range(len(facts)))
 

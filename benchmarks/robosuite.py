@@ -41,7 +41,7 @@ _GRIP = "gripper0_grip_site"
 
 
 @dataclass(frozen=True, slots=True)
-class Counts:
+class Agreement:
     """How many states of each kind, and how many initial states are repaired."""
 
     randoms: int
@@ -50,7 +50,7 @@ class Counts:
     repairs: int
 
 
-COUNTS = {True: Counts(400, 60, 100, 20), False: Counts(60, 6, 10, 2)}
+COUNTS = {True: Agreement(400, 60, 100, 20), False: Agreement(60, 6, 10, 2)}
 
 
 def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signature
@@ -107,7 +107,7 @@ def _settled(episode: Episode) -> bool:
     return bool(episode.accepted and episode.verification is not None and episode.verification.settled)
 
 
-def _states(runner: EpisodeRunner, counts: Counts) -> Row:
+def _states(runner: EpisodeRunner, counts: Agreement) -> Row:
     environment = runner.environment
     if not isinstance(environment, RobosuiteEnvironment):
         raise TypeError(f"{environment} is not robosuite's")

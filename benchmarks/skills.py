@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from benchmarks.intervals import wilson
 from benchmarks.protocol import Protocol, Row, Trial
-from benchmarks.skills_replay import SETTLE, NativeReplay, ReplayVerdict
+from benchmarks.skills_replay import SETTLE, ReplayJudge, ReplayVerdict
 from onto_compiler.knowledge import load_knowledge
 from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.simulator.assets import find_task, initial_states, tasks
@@ -76,7 +76,7 @@ class _Bench:
         self.name, self.horizon, self.states = ref.name, horizon_of(suite), initial_states(ref)
         self.player = Player(scene, required, knowledge)
         self.sim = _Clocked(scene, exact=True)
-        self.native = NativeReplay(ref, required, knowledge, SEED)
+        self.native = ReplayJudge(ref, required, knowledge, SEED)
 
     def row(self, state: int, play: str) -> Row:
         start = self.states[state]

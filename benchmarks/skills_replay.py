@@ -24,7 +24,7 @@ from runtime.wording import short_name, unit_of
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.native import NativeTask
 
-__all__ = ["AFTER", "SETTLE", "NativeReplay", "ReplayVerdict"]
+__all__ = ["AFTER", "SETTLE", "ReplayJudge", "ReplayVerdict"]
 
 Array = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ class ReplayVerdict:
     same: bool
 
 
-class NativeReplay:
+class ReplayJudge:
     """Replays episodes of one task natively. The environment is built once; every replay starts by a state write."""
 
     def __init__(self, ref: TaskRef, required: RequiredABox, knowledge: Knowledge, seed: int = 0) -> None:

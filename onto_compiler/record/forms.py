@@ -20,12 +20,12 @@ __all__ = [
     "LITERAL",
     "TEXT",
     "Iri",
+    "Notation",
     "Number",
     "Numbers",
     "Scalar",
     "Single",
     "Sorted",
-    "Word",
     "of_class",
     "of_datatype",
 ]
@@ -200,7 +200,7 @@ class Iri(Single):
 
 
 @dataclass(frozen=True, slots=True)
-class Word(Single):
+class Notation(Single):
     """A short word for one of a class's individuals: ``words`` has their IRIs."""
 
     word: str

@@ -16,7 +16,7 @@ from runtime.commands.opening import open_task, start_of
 from runtime.loop.diagnosis import by_distance, diagnose_goal, select
 from runtime.loop.records import Diagnosis, Episode
 from runtime.loop.routing import route
-from runtime.trace.rows import OBSERVED, UNMET, Unmet, seen_facts
+from runtime.trace.fact_rows import OBSERVED, UNMET, RoutedDiagnosis, seen_facts
 from runtime.wording import atom
 
 __all__ = ["DiagnosedFact", "DiagnosedTask", "GroundedFact", "GroundedTask", "diagnose", "ground", "repair"]
@@ -172,7 +172,7 @@ def diagnose(
     first = select(found).index if found else -1
 
     def diagnosed(one: Diagnosis) -> DiagnosedFact:
-        told = UNMET.of(Unmet(one, route(one, knowledge, level=level).route, one.index == first), schema)
+        told = UNMET.of(RoutedDiagnosis(one, route(one, knowledge, level=level).route, one.index == first), schema)
         return DiagnosedFact(**{**told, "arguments": tuple(told["arguments"]), "margin": one.margin})
 
     return DiagnosedTask(

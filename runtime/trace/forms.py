@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from pyoxigraph import Literal
 
 from onto_compiler.rdf import CORE, TRACE, XSD, integer, node
-from onto_compiler.record.forms import Iri, Scalar, Word, of_class
+from onto_compiler.record.forms import Iri, Notation, Scalar, of_class
 from onto_compiler.record.places import Spot, Statement, Subject
 from onto_compiler.record.table import Field, PropertyShape, Record, same
 from onto_compiler.record.walk import read_record, write_record
@@ -132,7 +132,7 @@ class Diagnosed:
 class OfDiagnosis:
     """A value that is said of the diagnosis that a decision speaks of, where the routing rules look for it."""
 
-    form: Iri | Word
+    form: Iri | Notation
 
     @property
     def json(self) -> str:

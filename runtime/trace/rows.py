@@ -2,34 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, is_dataclass, replace
 from typing import Any
 
-from grounding.observation import Observation
 from onto_compiler.rdf import CORE, PROV, TRACE
 from onto_compiler.record.described import Described
 from onto_compiler.record.rows import GRAPH, OMITTED, Column, Row, printed
 from onto_compiler.required import Fact
-from onto_compiler.required_rdf import FACT
 from onto_compiler.schema import Schema
-from onto_compiler.tables import SATISFIED, STATUSES
-from runtime.loop.diagnosis import evidence_status
 from runtime.loop.records import Attempt, Diagnosis, Episode, ExecutedPlan
+from runtime.trace.fact_rows import OBSERVED, UNMET, diagnosis_of, fact_columns, fact_of, unit_column
 from runtime.trace.table import (
     APPLICATION,
     ATTEMPT,
     DIAGNOSIS,
     EPISODE,
     EXECUTED_PLAN,
-    OBSERVED_FACT,
     PREDICTION,
     PROPOSAL,
     RECORDS,
     ROUTE_DECISION,
     VERIFICATION,
 )
-from runtime.wording import atom, short_name, unit_of
+from runtime.wording import atom, short_name
 
 __all__ = [
     "ATTEMPT_ROW",
@@ -37,119 +33,11 @@ __all__ = [
     "DIAGNOSES",
     "EPISODE_ROW",
     "GROUNDING",
-    "OBSERVED",
     "RECORDED",
-    "UNMET",
-    "SeenFact",
-    "Unmet",
     "first_diagnoses",
     "margin_after",
     "routes_of",
-    "seen_facts",
 ]
-
-
-# Facts, as they are seen and as they are diagnosed
-
-
-@dataclass(frozen=True, slots=True)
-class SeenFact:
-    """Fact ``index`` of an ABox and what an observation says of it; ``status`` is an IRI."""
-
-    fact: Fact
-    observation: Observation
-    index: int
-    status: str
-
-    @property
-    def truth(self) -> bool:
-        """Whether it was seen to hold."""
-        return bool(self.observation.truth[self.index])
-
-    @property
-    def margin(self) -> float:
-        """In the unit of the fact; NaN where none is defined."""
-        return float(self.observation.margin[self.index])
-
-    @property
-    def limit(self) -> str:
-        """The term that decides the margin."""
-        return self.observation.limit[self.index]
-
-
-def seen_facts(facts: Sequence[Fact], observation: Observation) -> list[SeenFact]:
-    """Each of ``facts`` with what ``observation`` says of it."""
-    codes = evidence_status(facts, observation)
-    return [SeenFact(fact, observation, i, STATUSES[codes[i]]) for i, fact in enumerate(facts)]
-
-
-def _facts(via: Callable[[Any], Fact]) -> dict[str, Column]:
-    return printed(FACT, "predicate", "arguments", "polarity", via=via)
-
-
-def _unit(via: Callable[[Any], Fact]) -> dict[str, Column]:
-    value = lambda subject, schema: unit_of(via(subject), schema)  # noqa: E731 - the column's value
-    return {"unit": Column("word:unit", value, CORE + "unit", blank=True)}
-
-
-def _limit(via: Callable[[Any], Any]) -> dict[str, Column]:
-    return {"limit": Column("string", lambda subject, _: via(subject).limit, CORE + "limit")}
-
-
-def _own(subject: Any) -> Any:  # noqa: ANN401 - whatever a row is about
-    return subject
-
-
-OBSERVED = Row(
-    "What the simulator's state says of one required fact.",
-    {
-        "fact": Column("string", lambda seen, schema: atom(seen.fact, schema)),
-        **_facts(lambda seen: seen.fact),
-        # Closed world: what was not seen to hold is false, and never undefined.
-        "truth": Column("boolean", lambda seen, _: seen.truth, CORE + "truth"),
-        "satisfied": Column("boolean", lambda seen, _: seen.status == SATISFIED),
-        **printed(OBSERVED_FACT, "status", "margin"),
-        **_unit(lambda seen: seen.fact),
-        **_limit(_own),
-        "native": Column("string", lambda seen, _: str(seen.fact.native), CORE + "nativeAtom"),
-    },
-    ("arity",),
-)
-
-
-@dataclass(frozen=True, slots=True)
-class Unmet:
-    """A diagnosis of one state with the route of a first attempt (its IRI), and whether it is the one to act on."""
-
-    diagnosis: Diagnosis
-    route: str
-    selected: bool = False
-
-
-def _diagnosis(told: Any) -> Diagnosis:  # noqa: ANN401 - what has a diagnosis
-    found: Diagnosis = told.diagnosis
-    return found
-
-
-def _fact(told: Any) -> Fact:  # noqa: ANN401 - as above
-    return _diagnosis(told).fact
-
-
-UNMET = Row(
-    "A diagnosis of one state, with the route that a first attempt would take.",
-    {
-        "fact": Column("string", lambda unmet, schema: atom(unmet.diagnosis.fact, schema)),
-        **_facts(_fact),
-        **printed(DIAGNOSIS, "truth", "status", "margin", via=_diagnosis),
-        **_unit(_fact),
-        **_limit(_diagnosis),
-        **printed(DIAGNOSIS, "failure", via=_diagnosis),
-        **printed(ROUTE_DECISION, "route"),
-        "rule": Column("string", lambda unmet, schema: schema.labels.get(unmet.diagnosis.rule, unmet.diagnosis.rule)),
-        "selected": Column("boolean", lambda unmet, _: unmet.selected),
-    },
-    ("arity", "route"),
-)
 
 
 # Episodes
@@ -201,18 +89,18 @@ def _all_or(column: Callable[[Any, Schema], Any]) -> Callable[[Any, Schema], Any
 FIRST_DIAGNOSIS = Row(
     "The first diagnosis of one fact in an episode, with the routes that the fact was sent to.",
     {
-        **_facts(_fact),
-        **printed(DIAGNOSIS, "truth", "margin", via=_diagnosis),
+        **fact_columns(fact_of),
+        **printed(DIAGNOSIS, "truth", "margin", via=diagnosis_of),
         "margin_after": Column(
             "number", lambda told, _: _number(margin_after(told.episode, told.diagnosis.index)), null=True
         ),
-        **_unit(_fact),
-        **printed(DIAGNOSIS, "failure", via=_diagnosis),
+        **unit_column(fact_of),
+        **printed(DIAGNOSIS, "failure", via=diagnosis_of),
         "route": Column(
             "word:route", lambda told, schema: next(iter(told.routes(schema)), None), CORE + "route", null=True
         ),
         "routes": Column("words:route", lambda told, schema: told.routes(schema)),
-        **printed(DIAGNOSIS, "source", via=_diagnosis),
+        **printed(DIAGNOSIS, "source", via=diagnosis_of),
     },
     ("arity",),
 )
@@ -303,10 +191,10 @@ def _of_predicted(array: str) -> Callable[[_Planned, Schema], float | None]:
 PLANNED_FACT = Row(
     "A required fact at the end of an executed plan: as the simulator shows it, and as it was predicted.",
     {
-        **_facts(lambda planned: planned.fact),
+        **fact_columns(lambda planned: planned.fact),
         "truth": Column("boolean", lambda p, _: bool(p.plan.simulated.truth[p.index]), CORE + "truth"),
         "margin": Column("number", lambda p, _: _number(p.plan.simulated.margin[p.index]), CORE + "margin", null=True),
-        **_unit(lambda planned: planned.fact),
+        **unit_column(lambda planned: planned.fact),
         "predicted": Column("boolean", lambda planned, _: _truth_predicted(planned), null=True),
         "predicted_margin": Column("number", _of_predicted("margin"), null=True),
         "score": Column("number", _of_predicted("score"), CORE + "score", null=True),

@@ -22,10 +22,10 @@ from onto_compiler.record.forms import (
     LITERAL,
     TEXT,
     Iri,
+    Notation,
     Number,
     Scalar,
     Sorted,
-    Word,
     of_class,
 )
 from onto_compiler.record.parts import Inline, Part, Parts
@@ -56,9 +56,9 @@ __all__ = ["EPISODE", "RECORDS", "TERMS"]
 _DERIVED, _GENERATED, _USED, _INFORMED = (
     PROV + name for name in ("wasDerivedFrom", "wasGeneratedBy", "used", "wasInformedBy")
 )
-_SOURCE = Word("source", CORE + "Source", SOURCES, closed=True)
-_LEVEL = Word("level", CORE + "Level", LEVELS)
-_MODE = Word("mode", TRACE + "Mode", MODES)
+_SOURCE = Notation("source", CORE + "Source", SOURCES, closed=True)
+_LEVEL = Notation("level", CORE + "Level", LEVELS)
+_MODE = Notation("mode", TRACE + "Mode", MODES)
 
 
 def _status(iri: str, schema: Schema) -> str:
@@ -256,7 +256,7 @@ APPLICATION = Record(
         Field("mode", TRACE + "mode", _MODE),
         Field("displacement", TRACE + "displacement", DOUBLE, asked=False, key=""),
         Field("steps", TRACE + "controlSteps", INTEGER, missing=None),
-        Field("end", TRACE + "end", Word("end", TRACE + "ExecutionEnd", ENDS), missing=""),
+        Field("end", TRACE + "end", Notation("end", TRACE + "ExecutionEnd", ENDS), missing=""),
         Field("reason", TRACE + "reason", TEXT, missing=""),
     ),
     (_link(_USED, lambda spot: spot.path("../proposal")), _link(_INFORMED, _maker)),
@@ -372,7 +372,7 @@ EPISODE = Record(
         Field("attempts", TRACE + "inEpisode", Parts(ATTEMPT, "attempt/{}", True, True, "{}"), missing=(), key=""),
         Field("plans", TRACE + "inEpisode", Parts(EXECUTED_PLAN, "plan/{}", True, True, "{}"), missing=(), key=""),
         Field("final", TRACE + "final", _whole("/final"), key=""),
-        Field("outcome", TRACE + "outcome", Word("outcome", TRACE + "Outcome", OUTCOMES)),
+        Field("outcome", TRACE + "outcome", Notation("outcome", TRACE + "Outcome", OUTCOMES)),
         Field("verification", TRACE + "verification", Part(VERIFICATION, "verification"), missing=None, key=""),
         Field(
             "provenance", TRACE + "provenance", _named("provenance/{}"), missing=(),

@@ -16,7 +16,7 @@ from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import Schema
 from runtime.loop.diagnosis import diagnose_goal, unmet
 from runtime.loop.routing import route
-from runtime.trace.rows import OBSERVED, UNMET, Unmet, seen_facts
+from runtime.trace.fact_rows import OBSERVED, UNMET, RoutedDiagnosis, seen_facts
 
 __all__ = ["FactReporter", "GoalReport", "fact_rows"]
 
@@ -54,7 +54,7 @@ class FactReporter:
         failures = tuple(
             {
                 **self._constant[each.index],
-                **_FAILURE.of(Unmet(each, route(each, knowledge, level=self._level).route), knowledge.schema),
+                **_FAILURE.of(RoutedDiagnosis(each, route(each, knowledge, level=self._level).route), knowledge.schema),
             }
             for each in diagnose_goal(required, observation, knowledge.tables)
         )

@@ -48,7 +48,7 @@ def test_what_was_left_behind_is_found_out():
 
 
 def _small(row):
-    return rows.Row(row.score, row.sensed, Budget(40, 6, 3), row.after, row.truth)
+    return rows.PlannerRow(row.score, row.sensed, Budget(40, 6, 3), row.after, row.truth)
 
 
 def _played(name, model, device):

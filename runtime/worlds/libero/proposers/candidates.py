@@ -18,13 +18,13 @@ if TYPE_CHECKING:
 
     from runtime.loop.proposer import Request
 
-__all__ = ["Candidate", "offer", "ranked"]
+__all__ = ["StateCandidate", "offer", "ranked"]
 
 _SAME_DECIMALS = 6  # states that agree so far are one candidate
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Candidate:
+class StateCandidate:
     """A whole ``qpos`` (nq,) that nothing is known to speak against, apart from ``flaws``.
 
     A flaw is a reason to try others first: unbalanced, or reachable only through a wall.
@@ -36,7 +36,7 @@ class Candidate:
     rank: float = 0.0  # among candidates with as many flaws, the smaller the sooner
 
 
-def ranked(request: Request, batches: Iterable[Sequence[Candidate]]) -> Iterator[Candidate]:
+def ranked(request: Request, batches: Iterable[Sequence[StateCandidate]]) -> Iterator[StateCandidate]:
     """Candidates that the grounder finds to satisfy the diagnosed fact, best first.
 
     Those without a flaw that keep every other satisfied fact come out batch by batch, as they are found; the rest wait
@@ -46,11 +46,11 @@ def ranked(request: Request, batches: Iterable[Sequence[Candidate]]) -> Iterator
     wanted = request.diagnosis.index
     to_keep = satisfied(facts, request.observe(request.qpos))
     to_keep[wanted] = False
-    waiting: list[tuple[int, int, float, int, Candidate]] = []
+    waiting: list[tuple[int, int, float, int, StateCandidate]] = []
     count = itertools.count()
     known: set[bytes] = set()
     for batch in batches:
-        ready: list[tuple[int, int, float, int, Candidate]] = []
+        ready: list[tuple[int, int, float, int, StateCandidate]] = []
         for candidate in batch:
             state = np.round(candidate.qpos, _SAME_DECIMALS).tobytes()
             if state in known:
@@ -66,7 +66,7 @@ def ranked(request: Request, batches: Iterable[Sequence[Candidate]]) -> Iterator
     yield from (entry[-1] for entry in sorted(waiting, key=lambda e: e[:-1]))
 
 
-def offer(request: Request, route: str, proposer: str, candidates: Iterator[Candidate]) -> Proposal | None:
+def offer(request: Request, route: str, proposer: str, candidates: Iterator[StateCandidate]) -> Proposal | None:
     """Candidate number ``request.candidate`` of ``candidates`` as a proposal, or None when there are not so many."""
     chosen = next(itertools.islice(candidates, request.candidate, None), None)
     if chosen is None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from runtime.worlds.libero.proposers.candidates import Candidate, offer, ranked
+from runtime.worlds.libero.proposers.candidates import StateCandidate, offer, ranked
 from runtime.worlds.libero.proposers.poses import landing_batches, leaving_batches
 from runtime.worlds.libero.scene.targets import place_of, slot_of
 
@@ -35,7 +35,7 @@ class HeuristicObjectRelation:
         """Return candidate number ``request.candidate``, or None when there is nothing to place or no more are left."""
         return offer(request, "object_relation_predicate", self.name, self.candidates(request))
 
-    def candidates(self, request: Request) -> Iterator[Candidate]:
+    def candidates(self, request: Request) -> Iterator[StateCandidate]:
         """All candidates, best first."""
         fact = request.diagnosis.fact
         place = place_of(request.scene, fact)

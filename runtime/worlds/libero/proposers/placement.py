@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
-from runtime.worlds.libero.proposers.candidates import Candidate
+from runtime.worlds.libero.proposers.candidates import StateCandidate
 from runtime.worlds.libero.proposers.clearance import Clearance
 from runtime.worlds.libero.scene.geometry import cube_rotations, level, matrix_of, quaternion_of, yaw_matrix
 
@@ -73,7 +73,7 @@ def rest_orientations(scene: Scene, qpos: Array, entity: str) -> list[Array]:
     return found
 
 
-def drop(mover: Mover, pose: Placement, window: Window, flaws: int = 0) -> Iterator[Candidate]:
+def drop(mover: Mover, pose: Placement, window: Window, flaws: int = 0) -> Iterator[StateCandidate]:
     """Lower ``mover``'s entity at ``pose`` and yield each height in ``window`` at which it comes to touch something.
 
     The entity sinks in by ``TOUCH_M`` at most. A resting pose that gravity would tip has the flaw ``UNBALANCED``
@@ -153,10 +153,12 @@ class Mover:
         self.write(height)
         return self.clearance.deepest(self._column[near], TOUCH_M) > TOUCH_M
 
-    def candidate(self, height: float, flaws: int) -> Candidate:
+    def candidate(self, height: float, flaws: int) -> StateCandidate:
         """The state with the entity there, ranked by how far it can lean."""
         self.write(height)
         self.clearance.refresh()
         lean = self.clearance.steadiness(self.entity, self.moving)
         note = self.pose.note if not self.riders else f"{self.pose.note}, carrying {', '.join(self.riders)}"
-        return Candidate(self.clearance.data.qpos.copy(), note, flaws + (UNBALANCED if lean < _STEADY_M else 0), -lean)
+        return StateCandidate(
+            self.clearance.data.qpos.copy(), note, flaws + (UNBALANCED if lean < _STEADY_M else 0), -lean
+        )

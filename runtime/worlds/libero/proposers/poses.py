@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from grounding.scenes import Scene
     from runtime.loop.proposer import Request
-    from runtime.worlds.libero.proposers.candidates import Candidate
+    from runtime.worlds.libero.proposers.candidates import StateCandidate
     from runtime.worlds.libero.scene.targets import PlacementTarget
 
     Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ _ROOF_M = 0.02
 _AWAY_M = (0.08, 0.12, 0.16, 0.2, 0.25, 0.3)  # how far an object is moved that must leave a place
 
 
-def landing_batches(request: Request, place: PlacementTarget, slot: tuple[int, int]) -> Iterator[list[Candidate]]:
+def landing_batches(request: Request, place: PlacementTarget, slot: tuple[int, int]) -> Iterator[list[StateCandidate]]:
     """Batches of landings of ``place.subject``: one batch for each offset, nearest to its slot first.
 
     When the region rides on a joint (a drawer), landings that nothing of its parent covers come first: as the joint is,
@@ -69,7 +69,7 @@ def landing_batches(request: Request, place: PlacementTarget, slot: tuple[int, i
     yield from _landings(clearance, place, slot, covered=True)
 
 
-def leaving_batches(request: Request, place: PlacementTarget) -> Iterator[list[Candidate]]:
+def leaving_batches(request: Request, place: PlacementTarget) -> Iterator[list[StateCandidate]]:
     """Batches of landings of ``place.subject`` away from where it is, nearest first: for a fact that must not hold."""
     clearance = Clearance(request.scene, request.qpos)
     mover = Mover(clearance, place.subject)
@@ -107,7 +107,7 @@ def _put_back(scene: Scene, qpos: Array, joint: int, value: float, subject: str)
 
 def _landings(
     clearance: Clearance, place: PlacementTarget, slot: tuple[int, int], *, covered: bool | None = None
-) -> Iterator[list[Candidate]]:
+) -> Iterator[list[StateCandidate]]:
     """Landings at each offset; with ``covered``, only at those that the place's parent does or does not cover."""
     window = site_window(clearance, place)
     frame = _frame(clearance, place)

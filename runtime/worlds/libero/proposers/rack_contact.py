@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from runtime.worlds.libero.proposers.candidates import Candidate, offer, ranked
+from runtime.worlds.libero.proposers.candidates import StateCandidate, offer, ranked
 from runtime.worlds.libero.proposers.clearance import Clearance
 from runtime.worlds.libero.proposers.placement import Mover, Placement, drop
 from runtime.worlds.libero.proposers.poses import leaving_batches, site_window
@@ -51,7 +51,7 @@ class HeuristicRackContact:
         """Return candidate number ``request.candidate``, or None when no rack site is named or no more are left."""
         return offer(request, "rack_contact_site", self.name, self.candidates(request))
 
-    def candidates(self, request: Request) -> Iterator[Candidate]:
+    def candidates(self, request: Request) -> Iterator[StateCandidate]:
         """All candidates, best first."""
         place = place_of(request.scene, request.diagnosis.fact)
         if place is None or place.site is None or place.parent is None:
@@ -64,7 +64,7 @@ class HeuristicRackContact:
             )
 
 
-def _batches(clearance: Clearance, place: PlacementTarget, rack: str, site: str) -> Iterator[list[Candidate]]:
+def _batches(clearance: Clearance, place: PlacementTarget, rack: str, site: str) -> Iterator[list[StateCandidate]]:
     window = site_window(clearance, place)
     frames = _frames(clearance, rack, site)
     mover = Mover(clearance, place.subject)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
-from runtime.worlds.libero.proposers.candidates import Candidate, offer, ranked
+from runtime.worlds.libero.proposers.candidates import StateCandidate, offer, ranked
 from runtime.worlds.libero.proposers.clearance import Clearance
 from runtime.worlds.libero.proposers.joints import SINK_M, moved, side_values
 from runtime.worlds.libero.proposers.poses import landing_batches, leaving_batches
@@ -40,7 +40,7 @@ class HeuristicSourceJointPose:
         """Return candidate number ``request.candidate``, or None when it asks for neither or no more are left."""
         return offer(request, "source_joint_pose", self.name, self.candidates(request))
 
-    def candidates(self, request: Request) -> Iterator[Candidate]:
+    def candidates(self, request: Request) -> Iterator[StateCandidate]:
         """All candidates, best first."""
         fact = request.diagnosis.fact
         threshold = threshold_of(self.schema, fact)
@@ -54,7 +54,7 @@ class HeuristicSourceJointPose:
             yield from ranked(request, leaving_batches(request, place))
 
 
-def _joint_states(request: Request, threshold: JointThreshold) -> Iterator[Candidate]:
+def _joint_states(request: Request, threshold: JointThreshold) -> Iterator[StateCandidate]:
     """States with one joint, or where the fact asks for all of them every joint, on the satisfied side."""
     scene, polarity = request.scene, request.diagnosis.fact.polarity
     name = request.diagnosis.fact.native.arguments[0]
@@ -71,7 +71,7 @@ def _joint_states(request: Request, threshold: JointThreshold) -> Iterator[Candi
             deepest = max(deepest, depth)
             label = f"{scene.joint_at(int(scene.model.jnt_qposadr[joint]))} to {values[joint][step]:.4f}"
             notes.append(label + (f", carrying {', '.join(carried)}" if carried else ""))
-        yield Candidate(qpos, "; ".join(notes), COLLIDES if deepest > SINK_M else 0, max(deepest, SINK_M))
+        yield StateCandidate(qpos, "; ".join(notes), COLLIDES if deepest > SINK_M else 0, max(deepest, SINK_M))
 
 
 def _limits(request: Request, joint: int) -> tuple[float, float] | None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from runtime.loop.diagnosis import satisfied, surplus
-from runtime.worlds.libero.proposers.candidates import Candidate, offer, ranked
+from runtime.worlds.libero.proposers.candidates import StateCandidate, offer, ranked
 from runtime.worlds.libero.proposers.clearance import Clearance
 from runtime.worlds.libero.proposers.joints import SINK_M, moved
 from runtime.worlds.libero.proposers.placement import Mover, Placement, drop, rest_orientations
@@ -58,7 +58,7 @@ class HeuristicSourceJointResidual:
         """Return candidate number ``request.candidate``, or None when the search visited no more satisfying states."""
         return offer(request, "source_joint_residual", self.name, self.candidates(request))
 
-    def candidates(self, request: Request) -> Iterator[Candidate]:
+    def candidates(self, request: Request) -> Iterator[StateCandidate]:
         """All candidates, best first; the present state itself, which was rejected, is not among them."""
         place = place_of(request.scene, request.diagnosis.fact)
         visited = _poses(request, place) if place is not None else _joint_states(request)
@@ -101,7 +101,7 @@ def _shortfall(request: Request, unknown: float) -> float:
     return _OVERSHOOT * abs(margin) if np.isfinite(margin) else unknown
 
 
-def _joint_states(request: Request) -> Iterable[Candidate]:
+def _joint_states(request: Request) -> Iterable[StateCandidate]:
     """States with the joints of the fact's first argument moved, as the search visits them."""
     scene, model = request.scene, request.scene.model
     name = request.diagnosis.fact.native.arguments[0]
@@ -111,7 +111,7 @@ def _joint_states(request: Request) -> Iterable[Candidate]:
         return []
     limits = [tuple(model.jnt_range[j]) if model.jnt_limited[j] else (-np.inf, np.inf) for j in joints]
     spans = np.array([high - low if np.isfinite(high - low) else _UNLIMITED for low, high in limits])
-    visited: list[Candidate] = []
+    visited: list[StateCandidate] = []
 
     def value(point: Array) -> float:
         qpos, deepest = request.qpos, 0.0
@@ -123,20 +123,20 @@ def _joint_states(request: Request) -> Iterable[Candidate]:
                 deepest = max(deepest, depth)
         score = _score(request, qpos)
         note = "joints shifted by " + ", ".join(f"{shift:.4f}" for shift in point)
-        visited.append(Candidate(qpos, note, _COLLIDES if deepest > SINK_M else 0, -score))
+        visited.append(StateCandidate(qpos, note, _COLLIDES if deepest > SINK_M else 0, -score))
         return score
 
     compass(value, np.clip(_shortfall(request, 0.1), _STEP_OF_RANGE[0] * spans, _STEP_OF_RANGE[1] * spans))
     return visited
 
 
-def _poses(request: Request, place: PlacementTarget) -> Iterable[Candidate]:
+def _poses(request: Request, place: PlacementTarget) -> Iterable[StateCandidate]:
     """Landings of the object near its present pose, as the search visits them."""
     clearance = Clearance(request.scene, request.qpos)
     window = search_window(clearance, place, wanted=request.diagnosis.fact.polarity)
     mover = Mover(clearance, place.subject)
     upright = rest_orientations(request.scene, request.qpos, place.subject)[0]
-    visited: list[Candidate] = []
+    visited: list[StateCandidate] = []
 
     def value(point: Array) -> float:
         x, y = mover.home[:2] + point[:2]

@@ -15,13 +15,13 @@ from typing import Any
 
 import mujoco
 
-__all__ = ["Compiler", "install"]
+__all__ = ["SceneCompiler", "install"]
 
 _FILES = re.compile(r'file="([^"]+)"')
 Key = tuple[str, tuple[tuple[int, int], ...]]
 
 
-class Compiler:
+class SceneCompiler:
     """MJCF to models. The last one is kept as it was compiled, with the size and time of each file that it names."""
 
     def __init__(self) -> None:
@@ -41,9 +41,9 @@ class Compiler:
 
 
 def install() -> None:
-    """After the import of robosuite: let its simulations take their models from one :class:`Compiler`."""
+    """After the import of robosuite: let its simulations take their models from one :class:`SceneCompiler`."""
     simulation = importlib.import_module("robosuite.utils.binding_utils").MjSim
-    compiler = Compiler()
+    compiler = SceneCompiler()
 
     def from_xml_string(cls: Any, xml: str) -> Any:  # noqa: ANN401  an untyped package's class
         made = cls(compiler(xml))

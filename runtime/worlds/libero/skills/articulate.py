@@ -16,7 +16,7 @@ from runtime.worlds.libero.skills.frames import Pose, nearest_twin, turn
 from runtime.worlds.libero.skills.joints import Articulation, articulations, wider
 from runtime.worlds.libero.skills.motion import Action
 from runtime.worlds.libero.skills.reach import Reach
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["JointSkill", "joint_skills", "widening_skills"]
 
@@ -32,7 +32,7 @@ class JointSkill:
     contact: GripContact
     ways: list[Pose]
 
-    def run(self, world: World, reach_: Reach) -> Generator[Action, None, None]:
+    def run(self, world: SkillWorld, reach_: Reach) -> Generator[Action, None, None]:
         """The actions; raises :class:`~runtime.worlds.libero.skills.fault.SkillFault` where it gives up."""
         art = self.articulation
         yield from actuate(world, art, self.contact, self.ways)
@@ -46,7 +46,7 @@ class JointSkill:
 
 
 def joint_skills(
-    world: World, reach_: Reach, schema: Schema, fact: Fact, tried: Sequence[Pose] = ()
+    world: SkillWorld, reach_: Reach, schema: Schema, fact: Fact, tried: Sequence[Pose] = ()
 ) -> Iterator[JointSkill]:
     """The ways to satisfy a fact about a joint, the best first; none when it speaks of something else or holds.
 
@@ -56,13 +56,15 @@ def joint_skills(
 
 
 def widening_skills(
-    world: World, reach_: Reach, schema: Schema, fact: Fact, tried: Sequence[Pose] = ()
+    world: SkillWorld, reach_: Reach, schema: Schema, fact: Fact, tried: Sequence[Pose] = ()
 ) -> Iterator[JointSkill]:
     """The ways to open further the drawer that the place of a fact about an object lies in."""
     yield from _skills(world, reach_, wider(world, schema, fact), tried)
 
 
-def _skills(world: World, reach_: Reach, joints: Sequence[Articulation], tried: Sequence[Pose]) -> Iterator[JointSkill]:
+def _skills(
+    world: SkillWorld, reach_: Reach, joints: Sequence[Articulation], tried: Sequence[Pose]
+) -> Iterator[JointSkill]:
     for art in joints:
         fresh = (c for c in _contacts(world, art) if not any(_alike(c.pose, pose) for pose in tried))
         for contact, ways in reachable(world, reach_, art, fresh):
@@ -76,7 +78,7 @@ def _alike(a: Pose, b: Pose) -> bool:
     )
 
 
-def _contacts(world: World, art: Articulation) -> Iterator[GripContact]:
+def _contacts(world: SkillWorld, art: Articulation) -> Iterator[GripContact]:
     if art.slides:
         yield from drawer.pulls(world, art) if drawer.opens(world, art) else drawer.pushes(world, art)
     elif float(art.radii(world.points([art.body])).max()) < KNOB:

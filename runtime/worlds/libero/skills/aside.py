@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from runtime.worlds.libero.scene.geometry import level
 from runtime.worlds.libero.skills.frames import Pose
 from runtime.worlds.libero.skills.heights import CELL, relief_of, underside
-from runtime.worlds.libero.skills.place import Spot
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.place import PlacingSpot
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["Way", "free_spots"]
 
@@ -31,7 +31,9 @@ BEHIND = 0.2  # metres
 RIM = np.arange(8) * np.pi / 4
 
 
-def free_spots(world: World, entity: str, holds: Callable[[Pose], bool], ways: Sequence[Way] = ()) -> list[Spot]:
+def free_spots(
+    world: SkillWorld, entity: str, holds: Callable[[Pose], bool], ways: Sequence[Way] = ()
+) -> list[PlacingSpot]:
     """Where ``entity`` can stand on the table or floor with nothing beside or over it, the nearest first.
 
     ``holds`` says whether the required fact is true with the object at a pose. What lies near one of ``ways``, which
@@ -49,19 +51,19 @@ def free_spots(world: World, entity: str, holds: Callable[[Pose], bool], ways: S
         over = body.position[:2] + away * np.array([np.cos(angle), np.sin(angle)])
         height = relief.drop(under, over + corner)
         if np.isfinite(height) and _bears(ground, over, radius) and _is_free(things, over, radius + GAP):
-            found.append(Spot(Pose(np.array([*over, height]), upright), float(away)))
+            found.append(PlacingSpot(Pose(np.array([*over, height]), upright), float(away)))
     top = max((spot.pose.position[2] for spot in found), default=0.0)
     found = [spot for spot in found if spot.pose.position[2] > top - EVEN and holds(spot.pose)]
     clear = [spot for spot in found if all(_apart(spot, way) > radius + ROOM for way in ways)]
     return clear or found
 
 
-def _things(world: World, entity: str) -> list[int]:
+def _things(world: SkillWorld, entity: str) -> list[int]:
     """The bodies of all objects and fixtures but ``entity``."""
     return [int(body) for name in world.index.entities if name != entity for body in world.index.bodies(name)]
 
 
-def _ground(world: World, centre: Array) -> Array:
+def _ground(world: SkillWorld, centre: Array) -> Array:
     """Surface points (n, 3) near ``centre`` of what belongs to no object, no fixture and not to the robot."""
     model, shapes = world.model, world.shapes
     owned = {int(body) for name in world.index.entities for body in world.index.bodies(name)}
@@ -90,7 +92,7 @@ def _is_free(things: Array, over: Array, radius: float) -> bool:
     return bool((np.linalg.norm(things[:, :2] - over, axis=1) > radius).all())
 
 
-def _apart(spot: Spot, way: Way) -> float:
+def _apart(spot: PlacingSpot, way: Way) -> float:
     """Metres from ``spot`` to a way that begins ``BEHIND`` its start, seen from above."""
     start, end = way
     length = max(float(np.linalg.norm(end - start)), 1e-9)

@@ -16,7 +16,7 @@ from runtime.worlds.libero.skills.reach import OPEN as WIDE
 from runtime.worlds.libero.skills.reach import Reach
 from runtime.worlds.libero.skills.route import glide, loose, route, travel
 from runtime.worlds.libero.skills.transit import transit
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["GripContact", "actuate", "drive", "feasible", "reachable"]
 
@@ -71,7 +71,9 @@ def target(art: Articulation, contact: GripContact, start: float, position: floa
     return Pose(moved.position, turned @ contact.pose.rotation)
 
 
-def feasible(world: World, reach_: Reach, art: Articulation, contacts: Iterable[GripContact]) -> Iterator[GripContact]:
+def feasible(
+    world: SkillWorld, reach_: Reach, art: Articulation, contacts: Iterable[GripContact]
+) -> Iterator[GripContact]:
     """Those of ``contacts`` that the arm reaches, from before the contact until the joint is at its goal.
 
     First those that touch nothing else; then those that would push movable objects aside.
@@ -93,7 +95,7 @@ def feasible(world: World, reach_: Reach, art: Articulation, contacts: Iterable[
 
 
 def _reached(
-    world: World, reach_: Reach, art: Articulation, contact: GripContact, touches: Mapping[int, float]
+    world: SkillWorld, reach_: Reach, art: Articulation, contact: GripContact, touches: Mapping[int, float]
 ) -> bool:
     start = art.position(world)
     aperture = WIDE if contact.grips else 0.0
@@ -114,7 +116,7 @@ def _reached(
 
 
 def reachable(
-    world: World, reach_: Reach, art: Articulation, contacts: Iterable[GripContact]
+    world: SkillWorld, reach_: Reach, art: Articulation, contacts: Iterable[GripContact]
 ) -> Iterator[tuple[GripContact, list[Pose]]]:
     """Those of ``contacts`` that are :func:`feasible` and to which a way leads, with that way.
 
@@ -131,7 +133,7 @@ def reachable(
 
 
 def actuate(
-    world: World, art: Articulation, contact: GripContact, ways: Sequence[Pose] = ()
+    world: SkillWorld, art: Articulation, contact: GripContact, ways: Sequence[Pose] = ()
 ) -> Generator[Action, None, None]:
     """Go ``ways`` to ``contact``, move the joint past its bound, let go and withdraw.
 
@@ -163,14 +165,14 @@ def actuate(
         raise SkillFault("missed", f"the joint stands at {art.position(world):.4f}, its bound is {art.bound:.4f}")
 
 
-def _closing(world: World, contact: GripContact) -> bool:
+def _closing(world: SkillWorld, contact: GripContact) -> bool:
     """Whether the fingers can begin to close on the way: they need some steps for it, and are wide open still."""
     left = contact.pose.position - world.eef.position
     ahead = float(left @ contact.pose.rotation[:, 2])
     return contact.slim and ahead < EARLY and float(np.linalg.norm(left)) < np.hypot(ahead, ASIDE)
 
 
-def drive(world: World, art: Articulation, contact: GripContact) -> Generator[Action, None, bool]:
+def drive(world: SkillWorld, art: Articulation, contact: GripContact) -> Generator[Action, None, bool]:
     """Follow the joint with the gripper a little ahead of it; True when the goal, or at least the bound, is passed."""
     start = art.position(world)
     reference = contact.pose.position
@@ -196,7 +198,7 @@ def drive(world: World, art: Articulation, contact: GripContact) -> Generator[Ac
     return art.sign * (art.coasting(world, LETTING_GO) - (art.bound if contact.until is None else aim)) > 0.0
 
 
-def _rest(world: World, art: Articulation, contact: GripContact) -> Generator[Action, None, None]:
+def _rest(world: SkillWorld, art: Articulation, contact: GripContact) -> Generator[Action, None, None]:
     """Wait where the satisfied side is so narrow that the joint's limit may throw it back out.
 
     A joint that is held is turned back from its limit into the middle of that side; what was pushed comes apart slowly.
@@ -214,7 +216,7 @@ def _rest(world: World, art: Articulation, contact: GripContact) -> Generator[Ac
             return
 
 
-def withdraw(world: World, contact: GripContact) -> Generator[Action, None, None]:
+def withdraw(world: SkillWorld, contact: GripContact) -> Generator[Action, None, None]:
     """Let go, and leave the part without touching it again."""
     if contact.grips:
         yield from grip(world, OPEN, RELEASE)
@@ -225,6 +227,6 @@ def withdraw(world: World, contact: GripContact) -> Generator[Action, None, None
         yield from reach(world, leave.moved(AWAY * away), CLOSED, near=0.02, steps=10)
 
 
-def twist_cost(world: World, rotation: Array) -> float:
+def twist_cost(world: SkillWorld, rotation: Array) -> float:
     """Steps that the arm needs to turn to ``rotation``, roughly."""
     return turn(world.eef.rotation, nearest_twin(rotation, world.eef.rotation)) / 0.11

@@ -14,7 +14,7 @@ from runtime.worlds.libero.skills.frames import Pose, frame
 from runtime.worlds.libero.skills.grasping import TIP
 from runtime.worlds.libero.skills.handles import protruding
 from runtime.worlds.libero.skills.joints import Articulation
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["pulls", "sweeps"]
 
@@ -34,12 +34,12 @@ THICKEST = 0.07
 BAND = 0.012  # metres on either side of the finger that count as in its way
 
 
-def sweeps(world: World, art: Articulation) -> Iterator[GripContact]:
+def sweeps(world: SkillWorld, art: Articulation) -> Iterator[GripContact]:
     """Closed fingers beside the leaf, on the side that it has to turn away from."""
     yield from sorted(_beside(world, art), key=lambda contact: contact.cost)
 
 
-def _beside(world: World, art: Articulation) -> Iterator[GripContact]:
+def _beside(world: SkillWorld, art: Articulation) -> Iterator[GripContact]:
     points = world.points([art.body])
     radii = art.radii(points)
     width, top = float(radii.max()), float(points[:, 2].max())
@@ -61,7 +61,7 @@ def _beside(world: World, art: Articulation) -> Iterator[GripContact]:
         yield GripContact(Pose(position, rotation), -CLEAR * way, False, 0.0, cost)
 
 
-def pulls(world: World, art: Articulation) -> Iterator[GripContact]:
+def pulls(world: SkillWorld, art: Articulation) -> Iterator[GripContact]:
     """Grips of the leaf's handle that open it far enough to be swept from behind; the handle turns in the fingers."""
     points = world.points([art.body])
     out = art.direction(points[int(art.radii(points).argmax())])

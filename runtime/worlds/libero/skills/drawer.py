@@ -14,7 +14,7 @@ from runtime.worlds.libero.skills.frames import Pose, axis_angle, frame
 from runtime.worlds.libero.skills.grasping import TIP
 from runtime.worlds.libero.skills.handles import Handle, protruding
 from runtime.worlds.libero.skills.joints import Articulation
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["opens", "pulls", "pushes"]
 
@@ -36,7 +36,7 @@ SLIM = 0.03  # metres
 THICKEST = 0.07
 
 
-def opens(world: World, art: Articulation) -> bool:
+def opens(world: SkillWorld, art: Articulation) -> bool:
     """Whether the joint's way leads out of the body that carries the drawer: to where the drawer's handle points."""
     points = world.points([art.body])
     rest = world.points(b for b in world.shapes.bodies if world.model.body_parentid[art.body] == b)
@@ -46,7 +46,7 @@ def opens(world: World, art: Articulation) -> bool:
     return bool((points @ way).max() > (rest @ way).max())
 
 
-def pulls(world: World, art: Articulation) -> Iterator[GripContact]:
+def pulls(world: SkillWorld, art: Articulation) -> Iterator[GripContact]:
     """Grips of what protrudes farthest along the joint's way."""
     out = art.sign * art.axis
     handle = protruding(world.points([art.body]), out)
@@ -62,14 +62,14 @@ def pulls(world: World, art: Articulation) -> Iterator[GripContact]:
         yield GripContact(Pose(position, rotation), -BACK * approach, True, 1.0, cost, slim=slim)
 
 
-def pushes(world: World, art: Articulation) -> Iterator[GripContact]:
+def pushes(world: SkillWorld, art: Articulation) -> Iterator[GripContact]:
     """Closed fingers before the front of the part, from above or slanting."""
     way = art.sign * art.axis
     handle = protruding(world.points([art.body]), -way)
     yield from sorted(_leaning(world, handle, way), key=lambda contact: contact.cost)
 
 
-def _leaning(world: World, handle: Handle, way: Array) -> Iterator[GripContact]:
+def _leaning(world: SkillWorld, handle: Handle, way: Array) -> Iterator[GripContact]:
     front = handle.centre - 0.5 * handle.depth * way
     for along, tilt, across in itertools.product(ALONG, TILTS, (False, True)):
         angle = math.radians(tilt)

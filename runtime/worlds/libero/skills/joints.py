@@ -12,7 +12,7 @@ from onto_compiler.required import Fact
 from onto_compiler.schema import JointThreshold, Schema
 from runtime.worlds.libero.scene.targets import place_of, threshold_of
 from runtime.worlds.libero.skills.frames import Pose, axis_angle
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["Articulation", "articulation", "articulations", "wider"]
 
@@ -52,11 +52,11 @@ class Articulation:
         """+1 where the joint has to go up, -1 where down."""
         return 1.0 if self.goal >= self.bound else -1.0
 
-    def position(self, world: World) -> float:
+    def position(self, world: SkillWorld) -> float:
         """The joint's position now."""
         return float(world.data.qpos[self.address(world)])
 
-    def coasting(self, world: World, seconds: float) -> float:
+    def coasting(self, world: SkillWorld, seconds: float) -> float:
         """Where the joint will be after so long if it is left alone, by its inertia and damping.
 
         What is damped strongly stops with the hand.
@@ -70,11 +70,11 @@ class Articulation:
         """Whether the satisfied side ends soon after the bound, so that the joint has to come to rest at its limit."""
         return abs(self.end - self.bound) < NARROW
 
-    def velocity(self, world: World) -> float:
+    def velocity(self, world: SkillWorld) -> float:
         """The joint's velocity now, per second."""
         return float(world.data.qvel[int(world.model.jnt_dofadr[self.joint])])
 
-    def address(self, world: World) -> int:
+    def address(self, world: SkillWorld) -> int:
         """Where ``qpos`` holds the joint."""
         return int(world.model.jnt_qposadr[self.joint])
 
@@ -103,7 +103,7 @@ class Articulation:
         return np.asarray(np.linalg.norm(offset - np.outer(offset @ self.axis, self.axis), axis=1))
 
 
-def articulation(world: World, joint: int, threshold: JointThreshold, *, polarity: bool = True) -> Articulation:
+def articulation(world: SkillWorld, joint: int, threshold: JointThreshold, *, polarity: bool = True) -> Articulation:
     """The way of one hinge or slide to the side of ``threshold`` that ``polarity`` asks for."""
     model, data = world.model, world.data
     slides = int(model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
@@ -125,7 +125,7 @@ def articulation(world: World, joint: int, threshold: JointThreshold, *, polarit
     )
 
 
-def articulations(world: World, schema: Schema, fact: Fact) -> list[Articulation]:
+def articulations(world: SkillWorld, schema: Schema, fact: Fact) -> list[Articulation]:
     """The joints on the wrong side, the one with the least to go first; none where ``fact`` is of something else.
 
     Where any joint suffices and one is on the right side, there is none either.
@@ -134,14 +134,14 @@ def articulations(world: World, schema: Schema, fact: Fact) -> list[Articulation
     return [] if threshold is None else _missing(world, fact.native.arguments[0], threshold, polarity=fact.polarity)
 
 
-def wider(world: World, schema: Schema, fact: Fact) -> list[Articulation]:
+def wider(world: SkillWorld, schema: Schema, fact: Fact) -> list[Articulation]:
     """The drawers that the place of ``fact`` lies in and that can be opened further, up to their limit."""
     named = _opening(world, schema, fact)
     found = [replace(art, goal=art.end - art.sign * SHORT) for art in (_moving(world, *named) if named else ())]
     return [art for art in found if art.slides and art.left(art.start) > WORTH]
 
 
-def _opening(world: World, schema: Schema, fact: Fact) -> tuple[str, JointThreshold] | None:
+def _opening(world: SkillWorld, schema: Schema, fact: Fact) -> tuple[str, JointThreshold] | None:
     """What has to be open for an object to be put where ``fact`` asks it to be, and when it counts as open."""
     place = place_of(world.index, fact)
     if place is None or place.site is None or place.parent is None or not (place.contains and fact.polarity):
@@ -153,13 +153,13 @@ def _opening(world: World, schema: Schema, fact: Fact) -> tuple[str, JointThresh
     return (place.site if len(world.index.joints(place.site)) else place.parent), threshold
 
 
-def _moving(world: World, name: str, threshold: JointThreshold, *, polarity: bool = True) -> list[Articulation]:
+def _moving(world: SkillWorld, name: str, threshold: JointThreshold, *, polarity: bool = True) -> list[Articulation]:
     free = (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL)
     joints = [int(j) for j in world.index.joints(name) if int(world.model.jnt_type[j]) not in free]
     return [articulation(world, joint, threshold, polarity=polarity) for joint in joints]
 
 
-def _missing(world: World, name: str, threshold: JointThreshold, *, polarity: bool) -> list[Articulation]:
+def _missing(world: SkillWorld, name: str, threshold: JointThreshold, *, polarity: bool) -> list[Articulation]:
     found = _moving(world, name, threshold, polarity=polarity)
     unmet = [a for a in found if a.sign * (a.start - a.bound) <= 0.0]
     # "Not open" is said of every joint where "open" is said of any.

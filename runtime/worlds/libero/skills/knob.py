@@ -14,7 +14,7 @@ from runtime.worlds.libero.skills.frames import Pose, frame
 from runtime.worlds.libero.skills.grasping import TIP
 from runtime.worlds.libero.skills.handles import Handle, protruding
 from runtime.worlds.libero.skills.joints import Articulation
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["twists"]
 
@@ -30,7 +30,7 @@ SLIM = 0.03
 WIDEST = 0.072
 
 
-def twists(world: World, art: Articulation) -> Iterator[GripContact]:
+def twists(world: SkillWorld, art: Articulation) -> Iterator[GripContact]:
     """Grips across the thinner side of what stands out of the part along its axis."""
     up = art.axis if art.axis[2] >= 0.0 else -art.axis
     handle = protruding(world.points([art.body]), up, TOP)
@@ -39,7 +39,7 @@ def twists(world: World, art: Articulation) -> Iterator[GripContact]:
     yield from sorted(_grips(world, art, handle, up), key=_cost)
 
 
-def _grips(world: World, art: Articulation, handle: Handle, up: Array) -> Iterator[GripContact]:
+def _grips(world: SkillWorld, art: Articulation, handle: Handle, up: Array) -> Iterator[GripContact]:
     top = art.anchor + ((handle.centre - art.anchor) @ up + 0.5 * handle.depth) * up
     forward = handle.long * (1.0 if handle.long @ (art.anchor - world.base) >= 0.0 else -1.0)
     for pad, lean in itertools.product(PADS, LEANS):

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.worlds.libero.skills.frames import Pose, rotation_vector
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["CLOSED", "EMPTY", "OPEN", "Action", "Motion", "action_towards", "close", "grip", "reach"]
 
@@ -30,7 +30,7 @@ EMPTY = 1.5e-3  # metres between fingers that hold nothing
 STALLED = 12  # steps without progress
 
 
-def action_towards(world: World, pose: Pose, gripper: float, speed: float = 1.0) -> Action:
+def action_towards(world: SkillWorld, pose: Pose, gripper: float, speed: float = 1.0) -> Action:
     """The action that moves the gripper towards ``pose``; whole vectors are scaled, so that the path is straight."""
     now = world.eef
     move = POSITION_GAIN * (pose.position - now.position) / POSITION_UNIT
@@ -39,7 +39,7 @@ def action_towards(world: World, pose: Pose, gripper: float, speed: float = 1.0)
 
 
 def reach(
-    world: World,
+    world: SkillWorld,
     pose: Pose,
     gripper: float,
     *,
@@ -66,7 +66,7 @@ def reach(
     return False
 
 
-def grip(world: World, gripper: float, steps: int, pose: Pose | None = None) -> Motion:
+def grip(world: SkillWorld, gripper: float, steps: int, pose: Pose | None = None) -> Motion:
     """Open or close for ``steps``, holding ``pose`` (where the gripper is, when none is given)."""
     hold = pose or world.eef
     for _ in range(steps):
@@ -74,7 +74,7 @@ def grip(world: World, gripper: float, steps: int, pose: Pose | None = None) -> 
     return True
 
 
-def close(world: World, pose: Pose | None = None, *, least: int = 8, most: int = 20) -> Motion:
+def close(world: SkillWorld, pose: Pose | None = None, *, least: int = 8, most: int = 20) -> Motion:
     """Close until the fingers stand still; True unless they met each other."""
     hold, before = pose or world.eef, np.inf
     for step in range(most):

@@ -16,7 +16,7 @@ from runtime.worlds.libero.skills.protocol import SkillRequest
 from runtime.worlds.libero.skills.reach import Reach
 from runtime.worlds.libero.skills.slide import lies_flat, slide, slides
 from runtime.worlds.libero.skills.transfer import leaving, transfer, transfers
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["Carrying", "MovingJoints", "SkillCandidate"]
 
@@ -25,7 +25,7 @@ __all__ = ["Carrying", "MovingJoints", "SkillCandidate"]
 class SkillCandidate:
     """One way to satisfy a fact: ``run`` gives its motion; ``poses`` are the grasps that count as tried with it."""
 
-    run: Callable[[World, Reach], Generator[Action, None, None]]
+    run: Callable[[SkillWorld, Reach], Generator[Action, None, None]]
     poses: tuple[Pose, ...]
     note: str
 

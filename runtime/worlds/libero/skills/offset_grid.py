@@ -22,11 +22,11 @@ from runtime.worlds.libero.skills.grasping import Grasp
 from runtime.worlds.libero.skills.heights import relief_of, underside
 from runtime.worlds.libero.skills.motion import Action
 from runtime.worlds.libero.skills.pick import grasps_of, pick
-from runtime.worlds.libero.skills.place import UP, Spot, place
+from runtime.worlds.libero.skills.place import UP, PlacingSpot, place
 from runtime.worlds.libero.skills.protocol import SkillRequest
 from runtime.worlds.libero.skills.reach import Reach, Reached
 from runtime.worlds.libero.skills.transfer import RELEASES, reachable
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["ASIDE", "AWAY", "Offset", "OffsetGrid", "offsets"]
 
@@ -45,7 +45,7 @@ class Offset:
 
     entity: str
     grasp: Grasp
-    spot: Spot
+    spot: PlacingSpot
     release: float
     note: str
 
@@ -54,7 +54,7 @@ class Offset:
         """The spot: a grasp that served may serve again."""
         return (self.spot.pose,)
 
-    def run(self, world: World, _: Reach) -> Generator[Action, None, None]:
+    def run(self, world: SkillWorld, _: Reach) -> Generator[Action, None, None]:
         """The motion; raises :class:`~runtime.worlds.libero.skills.fault.SkillFault` where it gives up."""
         holding = yield from pick(world, self.entity, self.grasp)
         yield from place(world, holding, self.spot, self.release)
@@ -100,7 +100,9 @@ def offsets(side: Array) -> Iterator[tuple[tuple[float, float], Array]]:
         yield (away, aside), away * along + aside * across
 
 
-def _spots(world: World, target: PlacementTarget, landmark: str) -> Iterator[tuple[tuple[float, float], Spot]]:
+def _spots(
+    world: SkillWorld, target: PlacementTarget, landmark: str
+) -> Iterator[tuple[tuple[float, float], PlacingSpot]]:
     origin = world.pose(landmark).position
     body = world.pose(target.subject)
     upright = level(body.rotation)
@@ -111,11 +113,11 @@ def _spots(world: World, target: PlacementTarget, landmark: str) -> Iterator[tup
         over = (origin + offset)[:2]
         height = relief_of(around, over, AROUND).drop(under, over + corner)
         if np.isfinite(height):
-            yield names, Spot(Pose(np.array([*over, height]), upright), 0.0)
+            yield names, PlacingSpot(Pose(np.array([*over, height]), upright), 0.0)
 
 
 def _released(
-    request: SkillRequest, entity: str, spot: Spot, grasps: list[tuple[Grasp, Reached]]
+    request: SkillRequest, entity: str, spot: PlacingSpot, grasps: list[tuple[Grasp, Reached]]
 ) -> tuple[Grasp, float] | None:
     """The first grasp with which the object can be let go at ``spot``, as low as the hand has room for."""
     body = request.world.pose(entity)

@@ -13,7 +13,7 @@ from runtime.worlds.libero.skills.frames import Pose
 from runtime.worlds.libero.skills.grasping import Grasp, Search, find_grasps
 from runtime.worlds.libero.skills.motion import CLOSED, EMPTY, OPEN, Action, close, reach
 from runtime.worlds.libero.skills.transit import transit, way_out
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["Holding", "alike", "grasps_of", "pick"]
 
@@ -35,7 +35,7 @@ class Holding:
     local: Pose
 
 
-def grasps_of(world: World, entity: str, search: Search | None = None) -> list[Grasp]:
+def grasps_of(world: SkillWorld, entity: str, search: Search | None = None) -> list[Grasp]:
     """All free grasps of an entity, the best first."""
     cloud = world.cloud(entity)
     around = world.surroundings(entity)
@@ -52,7 +52,7 @@ def alike(a: Pose, b: Pose) -> bool:
     return float(np.linalg.norm(a.position - b.position)) < 0.012 and across > 0.95
 
 
-def pick(world: World, entity: str, grasp: Grasp) -> Generator[Action, None, Holding]:
+def pick(world: SkillWorld, entity: str, grasp: Grasp) -> Generator[Action, None, Holding]:
     """Grasp and lift ``entity``; raises :class:`SkillFault` where it did not come along."""
     body = world.pose(entity)
     local = body.inverse() @ grasp.pose  # the grasp follows the object if it moves meanwhile

@@ -17,9 +17,9 @@ from runtime.worlds.libero.skills.heights import CELL, relief_of, underside
 from runtime.worlds.libero.skills.motion import CLOSED, EMPTY, OPEN, Action, grip, reach
 from runtime.worlds.libero.skills.pick import Holding
 from runtime.worlds.libero.skills.transit import transit
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
-__all__ = ["Spot", "cost_of", "cramped", "place", "spots"]
+__all__ = ["PlacingSpot", "cost_of", "cramped", "place", "spots"]
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ SUNK = 0.001  # metres below where it rests: a contact is then seen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Spot:
+class PlacingSpot:
     """A pose at which the object rests, and a ``cost``: its height, and its distance from the middle.
 
     It is brought there from the direction ``entry`` (3,): from above, or through an opening at the side.
@@ -64,14 +64,14 @@ class Spot:
         return HOVER * UP if self.entry[2] > FLAT else OUTSIDE * self.entry + LIFTED * UP
 
 
-def cost_of(spot: Spot) -> float:
+def cost_of(spot: PlacingSpot) -> float:
     """A key to sort by."""
     return spot.cost
 
 
 def spots(
-    world: World, target: PlacementTarget, turn: Array, holds: Callable[[Pose], bool], sharing: int = 1
-) -> list[Spot]:
+    world: SkillWorld, target: PlacementTarget, turn: Array, holds: Callable[[Pose], bool], sharing: int = 1
+) -> list[PlacingSpot]:
     """Where an object comes to rest in its ``target`` when it is let go upright, then turned by ``turn`` (3, 3).
 
     Upright is along the z of the target's site: a rack holds a bottle along its slope. The best come first. ``holds``
@@ -100,7 +100,7 @@ def spots(
     return [entered for spot in some for entered in _entered(spot, cloud, near)]
 
 
-def cramped(world: World, target: PlacementTarget, spot: Spot) -> bool:
+def cramped(world: SkillWorld, target: PlacementTarget, spot: PlacingSpot) -> bool:
     """Whether ``spot`` is on the rim of what the object has to be in, rather than on its floor."""
     if target.site is None or not target.contains:
         return False
@@ -116,7 +116,7 @@ def cramped(world: World, target: PlacementTarget, spot: Spot) -> bool:
 
 def _resting(
     cloud: Array, upright: Array, around: Array, frame: Pose, half: Array, middles: Array, cost: float
-) -> list[Spot]:
+) -> list[PlacingSpot]:
     """Spots in the area, by height: where ``cloud``, about the object's origin, comes to lie on ``around``."""
     under, corner = underside(cloud)
     relief = relief_of(around, frame.position, AROUND)
@@ -129,7 +129,7 @@ def _resting(
         if np.isfinite(height):
             aside = float(np.linalg.norm(middles - offset[:2], axis=1).min())
             price = cost + height + OFF_CENTRE * aside
-            found.append(Spot(Pose(np.array([*over, height]), upright), price))
+            found.append(PlacingSpot(Pose(np.array([*over, height]), upright), price))
     return sorted(found, key=cost_of)
 
 
@@ -145,7 +145,7 @@ def _middles(cloud: Array, frame: Pose, half: Array, sharing: int) -> Array:
     return middles
 
 
-def _entered(spot: Spot, cloud: Array, around: Array) -> Iterator[Spot]:
+def _entered(spot: PlacingSpot, cloud: Array, around: Array) -> Iterator[PlacingSpot]:
     """The spot with every side from which the object can be brought in, as a box that sweeps through ``around``."""
     low, high = cloud.min(axis=0) + spot.pose.position, cloud.max(axis=0) + spot.pose.position
     for side in SIDES:
@@ -157,7 +157,7 @@ def _entered(spot: Spot, cloud: Array, around: Array) -> Iterator[Spot]:
             hits = hits[_along(hits, low, high, side)]
         hits = hits[hits[:, 2] > low[2] + LIFTED] if len(hits) else hits
         if not len(hits):
-            yield Spot(spot.pose, spot.cost, side)
+            yield PlacingSpot(spot.pose, spot.cost, side)
 
 
 def _along(points: Array, low: Array, high: Array, side: Array) -> NDArray[np.bool_]:
@@ -177,7 +177,7 @@ def _stood(axis: Array) -> Array:
     return axis_angle(turn / sine, float(np.arctan2(sine, axis[2])))
 
 
-def _area(world: World, target: PlacementTarget) -> tuple[Pose, Array]:
+def _area(world: SkillWorld, target: PlacementTarget) -> tuple[Pose, Array]:
     """Frame and half extents of where the object's origin has to be.
 
     The z of the frame is vertical where one axis of the site is: a drawer's site has it along another.
@@ -195,7 +195,7 @@ def _area(world: World, target: PlacementTarget) -> tuple[Pose, Array]:
     return Pose(frame.position, rotation), half[order]
 
 
-def place(world: World, holding: Holding, spot: Spot, release: float) -> Generator[Action, None, None]:
+def place(world: SkillWorld, holding: Holding, spot: PlacingSpot, release: float) -> Generator[Action, None, None]:
     """Bring what is held to ``spot``, let go ``release`` metres above it, withdraw.
 
     Raises :class:`SkillFault` where it was lost on the way.

@@ -36,7 +36,7 @@ from runtime.worlds.libero.skills.order import GoalStep, diagnose_step, ready
 from runtime.worlds.libero.skills.protocol import SkillPlan, SkillRequest
 from runtime.worlds.libero.skills.reach import Reach
 from runtime.worlds.libero.skills.registry import load_skills
-from runtime.worlds.libero.skills.world import SurfacePoints, World
+from runtime.worlds.libero.skills.world import SkillWorld, SurfacePoints
 
 __all__ = ["PlayedEpisode", "Player", "SkillAttempt"]
 
@@ -102,7 +102,7 @@ class _Episode:
     """A running episode: the simulation, the actions so far and the grasps that were tried, by fact."""
 
     sim: Simulation
-    world: World
+    world: SkillWorld
     reach: Reach
     horizon: int
     actions: list[Action] = field(default_factory=list)
@@ -147,7 +147,7 @@ class Player:
         return self._play(self._begin(sim, horizon), candidates=candidates)
 
     def _begin(self, sim: Simulation, horizon: int) -> _Episode:
-        world = World(sim, self.shapes)
+        world = SkillWorld(sim, self.shapes)
         return _Episode(sim, world, Reach(world), horizon)
 
     def _play(self, episode: _Episode, candidates: int) -> PlayedEpisode:
@@ -279,14 +279,14 @@ class Player:
         trial.tried = {fact: list(tried) for fact, tried in episode.tried.items()}
         return trial
 
-    def _request(self, world: World, reach_: Reach, step: GoalStep, tried: Sequence[Pose]) -> SkillRequest:
+    def _request(self, world: SkillWorld, reach_: Reach, step: GoalStep, tried: Sequence[Pose]) -> SkillRequest:
         sharing = slot_of(self.required, step.fact)[1]
         holds = self._holds(world, step)
         return SkillRequest(
             world, reach_, step.fact, self.knowledge.schema, holds, tried, sharing, self._ways(world, step)
         )
 
-    def _ways(self, world: World, step: GoalStep) -> tuple[tuple[Array, Array], ...]:
+    def _ways(self, world: SkillWorld, step: GoalStep) -> tuple[tuple[Array, Array], ...]:
         """From where other objects are to where the goal wants them, seen from above."""
         ways = []
         for fact in self.required.facts:
@@ -297,7 +297,7 @@ class Player:
             ways.append((world.pose(place.subject).position[:2], goal.position[:2]))
         return tuple(ways)
 
-    def _holds(self, world: World, step: GoalStep) -> Callable[[Pose], bool]:
+    def _holds(self, world: SkillWorld, step: GoalStep) -> Callable[[Pose], bool]:
         """Whether the fact would be true with its first argument at a pose, everything else as it is.
 
         What is only to be taken away must not undo anything there: it can stand elsewhere.
@@ -325,7 +325,7 @@ class Player:
 
         return holds
 
-    def _kept(self, world: World, fact: Fact) -> tuple[tuple[SimGrounder, NDArray[np.bool_]], ...]:
+    def _kept(self, world: SkillWorld, fact: Fact) -> tuple[tuple[SimGrounder, NDArray[np.bool_]], ...]:
         """Which facts of the goal and of its preconditions hold, and can hold yet when ``fact`` does."""
         schema = self.knowledge.schema
         kept = []

@@ -10,7 +10,7 @@ from runtime.worlds.libero.skills.frames import Pose, frame, nearest_twin
 from runtime.worlds.libero.skills.grasping import TIP
 from runtime.worlds.libero.skills.motion import CLOSED, Motion, action_towards, reach
 from runtime.worlds.libero.skills.transit import transit
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["inward", "leans", "press"]
 
@@ -27,7 +27,7 @@ CREEP = 0.01
 STEPS = 35
 
 
-def inward(world: World, place: PlacementTarget) -> Array | None:
+def inward(world: SkillWorld, place: PlacementTarget) -> Array | None:
     """The direction (3,) in which the drawer of ``place`` shuts; None where it is in no drawer."""
     if place.site is None or not place.contains:
         return None
@@ -41,14 +41,14 @@ def inward(world: World, place: PlacementTarget) -> Array | None:
     return None
 
 
-def leans(world: World, entity: str, rotation: Array) -> bool:
+def leans(world: SkillWorld, entity: str, rotation: Array) -> bool:
     """Whether an entity does not stand as in ``rotation``: the axis that is vertical there has tilted."""
     axis = int(np.argmax(np.abs(rotation[2])))
     upright = float(world.pose(entity).rotation[2, axis] * np.sign(rotation[2, axis]))
     return bool(upright < np.cos(LEANING))
 
 
-def press(world: World, entity: str, direction: Array, rotation: Array) -> Motion:
+def press(world: SkillWorld, entity: str, direction: Array, rotation: Array) -> Motion:
     """Press the raised side of ``entity`` down, a little along ``direction``; True if it stands as in ``rotation``."""
     cloud = world.cloud(entity)
     raised = cloud[cloud[:, 2] > cloud[:, 2].max() - RAISED].mean(axis=0)

@@ -13,7 +13,7 @@ from onto_compiler.required import Fact
 from onto_compiler.schema import Schema
 from runtime.worlds.libero.skills.frames import Pose
 from runtime.worlds.libero.skills.reach import Reach
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["Skill", "SkillPlan", "SkillRequest"]
 
@@ -27,7 +27,7 @@ class SkillRequest:
     ``ways`` lead from the other objects of the goal to where it wants them: (2,) and (2,) in the world.
     """
 
-    world: World
+    world: SkillWorld
     reach: Reach
     fact: Fact
     schema: Schema
@@ -41,7 +41,7 @@ class SkillPlan(Protocol):
     """One way to make a fact true."""
 
     @property
-    def run(self) -> Callable[[World, Reach], Generator[NDArray[np.float64], None, None]]:
+    def run(self) -> Callable[[SkillWorld, Reach], Generator[NDArray[np.float64], None, None]]:
         """The motion, as actions (7,) of one control step each, in closed loop on the world that is given.
 
         It raises :class:`~runtime.worlds.libero.skills.fault.SkillFault` where it gives up.

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from runtime.worlds.libero.skills.frames import Pose, rotation_vector
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["Reach", "Reached"]
 
@@ -43,7 +43,7 @@ class Reached:
 class Reach:
     """Solves poses on a scratch copy of the world's state."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: SkillWorld) -> None:
         self._world = world
         self._model = world.model
         self._data = mujoco.MjData(world.model)

@@ -15,7 +15,7 @@ from runtime.worlds.libero.skills.frames import Pose, axis_angle, rotation_vecto
 from runtime.worlds.libero.skills.motion import Motion, action_towards
 from runtime.worlds.libero.skills.reach import Reach
 from runtime.worlds.libero.skills.transit import CEILING
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["between", "clear", "glide", "loose", "route", "travel"]
 
@@ -56,7 +56,7 @@ class _Line:
         return Pose(self._start.position + fraction * self._offset, turned @ self._start.rotation)
 
 
-def loose(world: World) -> dict[int, float]:
+def loose(world: SkillWorld) -> dict[int, float]:
     """The bodies of movable objects, with a depth that any contact keeps below: they give way when they are touched."""
     index = world.index
     return {int(b): SOFT for name in index.entities if index.free_joint(name) is not None for b in index.bodies(name)}
@@ -85,7 +85,7 @@ def clear(
     return True
 
 
-def route(world: World, reach_: Reach, goal: Pose, *, aperture: float) -> list[Pose] | None:
+def route(world: SkillWorld, reach_: Reach, goal: Pose, *, aperture: float) -> list[Pose] | None:
     """Poses to pass through, ``goal`` last; None where every way that is tried runs into something.
 
     Where all ways are obstructed, movable objects count no more.
@@ -113,7 +113,7 @@ def _ways(start: Pose, goal: Pose) -> Iterator[list[Pose]]:
         yield [over_start, Pose(over_goal.backed(0.08).position, goal.rotation), goal]
 
 
-def travel(world: World, ways: Sequence[Pose], gripper: float, *, near: float = 0.01) -> Motion:
+def travel(world: SkillWorld, ways: Sequence[Pose], gripper: float, *, near: float = 0.01) -> Motion:
     """Pass through ``ways`` and stop at the last, to ``near`` (m); True when it arrived."""
     for pose in ways[:-1]:
         yield from glide(world, pose, gripper, near=0.03, turned=0.4)
@@ -121,7 +121,7 @@ def travel(world: World, ways: Sequence[Pose], gripper: float, *, near: float = 
 
 
 def glide(
-    world: World,
+    world: SkillWorld,
     goal: Pose,
     gripper: float,
     *,

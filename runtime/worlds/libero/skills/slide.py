@@ -20,7 +20,7 @@ from runtime.worlds.libero.skills.pick import APPROACH
 from runtime.worlds.libero.skills.place import RETREAT, UP
 from runtime.worlds.libero.skills.reach import Reach
 from runtime.worlds.libero.skills.transit import transit
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["Slide", "lies_flat", "slide", "slides"]
 
@@ -49,7 +49,7 @@ class Slide:
     goal: Array
 
 
-def lies_flat(world: World, target: PlacementTarget) -> bool:
+def lies_flat(world: SkillWorld, target: PlacementTarget) -> bool:
     """Whether the subject is low, and its target is a region of the surface that it lies on."""
     if target.site is None or target.parent is not None:
         return False
@@ -58,7 +58,7 @@ def lies_flat(world: World, target: PlacementTarget) -> bool:
     return float(np.ptp(cloud[:, 2])) < FLAT and abs(float(cloud[:, 2].min()) - level) < SAME
 
 
-def slides(world: World, reach_: Reach, entity: str, goal: Array) -> Iterator[Slide]:
+def slides(world: SkillWorld, reach_: Reach, entity: str, goal: Array) -> Iterator[Slide]:
     """Ways to push ``entity`` to ``goal`` (2,) that the arm can begin, the straightest and most upright first."""
     cloud, body = world.cloud(entity), world.pose(entity)
     way = _heading(goal - body.position[:2])
@@ -77,7 +77,7 @@ def slides(world: World, reach_: Reach, entity: str, goal: Array) -> Iterator[Sl
                 break
 
 
-def slide(world: World, plan: Slide) -> Generator[Action, None, None]:
+def slide(world: SkillWorld, plan: Slide) -> Generator[Action, None, None]:
     """Carry out ``plan``; raises :class:`SkillFault` where the object does not move along."""
     yield from transit(world, plan.start.backed(APPROACH), OPEN)
     yield from reach(world, plan.start, OPEN, steps=30)

@@ -17,10 +17,10 @@ from runtime.worlds.libero.skills.frames import Pose, axis_angle, nearest_twin, 
 from runtime.worlds.libero.skills.grasping import Grasp, Search
 from runtime.worlds.libero.skills.motion import Action
 from runtime.worlds.libero.skills.pick import APPROACH, alike, grasps_of, pick
-from runtime.worlds.libero.skills.place import UP, Spot, cost_of, place, spots
+from runtime.worlds.libero.skills.place import UP, PlacingSpot, cost_of, place, spots
 from runtime.worlds.libero.skills.press import inward, leans, press
 from runtime.worlds.libero.skills.reach import Reach, Reached
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["Transfer", "leaving", "reachable", "transfer", "transfers"]
 
@@ -59,12 +59,12 @@ class Transfer:
 
     place: PlacementTarget
     grasp: Grasp
-    spot: Spot
+    spot: PlacingSpot
     release: float
 
 
 def transfers(
-    world: World,
+    world: SkillWorld,
     reach: Reach,
     place_: PlacementTarget,
     holds: Callable[[Pose], bool],
@@ -86,7 +86,7 @@ def transfers(
 
 
 def leaving(
-    world: World,
+    world: SkillWorld,
     reach: Reach,
     place_: PlacementTarget,
     holds: Callable[[Pose], bool],
@@ -104,10 +104,10 @@ def leaving(
 
 
 def _paired(
-    world: World,
+    world: SkillWorld,
     reach: Reach,
     place_: PlacementTarget,
-    targets: Sequence[Sequence[Spot]],
+    targets: Sequence[Sequence[PlacingSpot]],
     tried: Sequence[Pose],
     searches: Sequence[Search | None],
 ) -> Iterator[Transfer]:
@@ -124,7 +124,7 @@ def _paired(
                     yield Transfer(place_, grasp, *best)
 
 
-def _spread(found: Iterable[Spot]) -> list[Spot]:
+def _spread(found: Iterable[PlacingSpot]) -> list[PlacingSpot]:
     """The best spots and some of the others, from above; where there are none, some of every side and depth."""
     ordered = sorted(found, key=cost_of)
     above = [spot for spot in ordered if spot.entry[2] > 0.5]
@@ -133,7 +133,7 @@ def _spread(found: Iterable[Spot]) -> list[Spot]:
     return ordered[:: max(1, len(ordered) // ENTERED)]
 
 
-def _turns(world: World, place_: PlacementTarget) -> Iterator[tuple[Array, ...]]:
+def _turns(world: SkillWorld, place_: PlacementTarget) -> Iterator[tuple[Array, ...]]:
     """Turns of the upright object to be tried together: what goes into something is first aligned with its sides.
 
     Last, what is too tall to stand in something is laid down.
@@ -150,7 +150,7 @@ def _turns(world: World, place_: PlacementTarget) -> Iterator[tuple[Array, ...]]
         yield tuple(axis_angle(side, np.pi / 2) @ standing for side in sides)
 
 
-def transfer(world: World, plan: Transfer) -> Generator[Action, None, None]:
+def transfer(world: SkillWorld, plan: Transfer) -> Generator[Action, None, None]:
     """Carry out ``plan``; raises :class:`~runtime.worlds.libero.skills.fault.SkillFault` where it fails."""
     entity, upright = plan.place.subject, plan.spot.pose.rotation
     holding = yield from pick(world, entity, plan.grasp)
@@ -161,7 +161,7 @@ def transfer(world: World, plan: Transfer) -> Generator[Action, None, None]:
 
 
 def reachable(
-    world: World, reach: Reach, grasps: Sequence[Grasp], tried: Sequence[Pose]
+    world: SkillWorld, reach: Reach, grasps: Sequence[Grasp], tried: Sequence[Pose]
 ) -> Iterator[tuple[Grasp, Reached]]:
     """Those of ``grasps`` that the arm reaches without running into anything, none near another."""
     start = reach.begin()
@@ -182,12 +182,12 @@ def reachable(
 
 
 def _released(
-    reach: Reach, at: Reached, entity: str, local: Pose, found: Sequence[Spot], width: float
-) -> Iterator[tuple[Spot, float]]:
+    reach: Reach, at: Reached, entity: str, local: Pose, found: Sequence[PlacingSpot], width: float
+) -> Iterator[tuple[PlacingSpot, float]]:
     """The spots that the object can be brought to with the hand on it, each with how far above it is let go."""
     reach.begin()
 
-    def free(spot: Spot, offset: Array) -> bool:
+    def free(spot: PlacingSpot, offset: Array) -> bool:
         pose = spot.pose.moved(offset) @ local.inverse()
         return reach.solve(pose, at.joints, held=(entity, local), aperture=0.5 * width + 0.002).feasible
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from runtime.worlds.libero.skills.frames import Pose
 from runtime.worlds.libero.skills.grasping import TIP
 from runtime.worlds.libero.skills.motion import Motion, reach
-from runtime.worlds.libero.skills.world import World
+from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["corridor_height", "transit", "way_out"]
 
@@ -53,7 +53,7 @@ def _inside(points: Array, low: Array, high: Array) -> bool:
     return bool(((points[:, :2] > low[:2]) & (points[:, :2] < high[:2])).all(axis=1).any())
 
 
-def transit(world: World, goal: Pose, gripper: float, *, carried: str | None = None) -> Motion:
+def transit(world: SkillWorld, goal: Pose, gripper: float, *, carried: str | None = None) -> Motion:
     """Go to ``goal`` from above, clear of everything in between; ``carried`` hangs below the gripper."""
     if np.linalg.norm(goal.position[:2] - world.eef.position[:2]) > 0.02:
         height = _over(world, goal, carried)
@@ -68,7 +68,7 @@ def transit(world: World, goal: Pose, gripper: float, *, carried: str | None = N
     return (yield from reach(world, goal, gripper))
 
 
-def _over(world: World, goal: Pose, carried: str | None) -> float:
+def _over(world: SkillWorld, goal: Pose, carried: str | None) -> float:
     """The height (m) at which the gripper passes over all that stands between it and ``goal``."""
     now = world.eef
     below, radius = TIP, HAND

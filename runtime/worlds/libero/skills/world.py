@@ -14,7 +14,7 @@ from runtime.worlds.libero.simulator.simulation import Simulation
 from runtime.worlds.libero.skills.clouds import body_cloud
 from runtime.worlds.libero.skills.frames import Pose
 
-__all__ = ["SurfacePoints", "World"]
+__all__ = ["SkillWorld", "SurfacePoints"]
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ class SurfacePoints:
         return body_cloud(self.scene.model, body, self._geoms)
 
 
-class World:
+class SkillWorld:
     """A reading view of ``sim``; nothing here changes it."""
 
     def __init__(self, sim: Simulation, shapes: SurfacePoints | None = None) -> None:

@@ -27,7 +27,7 @@ from runtime.worlds.pointmaze.planning.planners import ByModel, ByTruth, Guidanc
 from runtime.worlds.pointmaze.planning.sensing import FULL, POSITION, Sensor
 from runtime.worlds.pointmaze.rollout import Rollout
 
-__all__ = ["ROWS", "Row", "maze_rollout", "planner"]
+__all__ = ["ROWS", "PlannerRow", "maze_rollout", "planner"]
 
 MAZE = "u_maze"
 BUDGET, SAMPLING = Budget(), Sampling()
@@ -37,7 +37,7 @@ _LARGE = Budget(iterations=BUDGET.iterations + ALLOWANCE // BUDGET.samples)
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class PlannerRow:
     """``score`` of a plan, by name; ``after`` an unmet prediction: nothing, what rules say, any mechanism, or anew."""
 
     score: str | None
@@ -60,27 +60,27 @@ class Row:
 
 
 _LEARNED = {
-    "feature_images": Row("feature_images"),
-    "feature_dinowm": Row("feature_dinowm"),
-    "feature": Row("feature"),
-    "event": Row("event"),
-    "onto": Row("onto"),
-    "onto_untyped": Row("onto_untyped"),
-    "search": Row("onto", after="guided"),
-    "random_search": Row("onto", after="drawn"),
-    "undirected_search": Row("onto", after="undirected"),
-    "large": Row("onto", budget=_LARGE),
+    "feature_images": PlannerRow("feature_images"),
+    "feature_dinowm": PlannerRow("feature_dinowm"),
+    "feature": PlannerRow("feature"),
+    "event": PlannerRow("event"),
+    "onto": PlannerRow("onto"),
+    "onto_untyped": PlannerRow("onto_untyped"),
+    "search": PlannerRow("onto", after="guided"),
+    "random_search": PlannerRow("onto", after="drawn"),
+    "undirected_search": PlannerRow("onto", after="undirected"),
+    "large": PlannerRow("onto", budget=_LARGE),
 }
 ROWS = {
     **_LEARNED,
     **{
-        f"{name}_blind": Row(row.score, POSITION, row.budget, row.after)
+        f"{name}_blind": PlannerRow(row.score, POSITION, row.budget, row.after)
         for name, row in _LEARNED.items()
         if name not in ("feature_images", "feature_dinowm")
     },
-    "ceiling": Row("onto", truth=True),
-    "ceiling_large": Row("onto", budget=_LARGE, truth=True),
-    "random": Row(None),
+    "ceiling": PlannerRow("onto", truth=True),
+    "ceiling_large": PlannerRow("onto", budget=_LARGE, truth=True),
+    "random": PlannerRow(None),
 }
 """By name; ``_blind`` rows do not sense velocity, and have a history of three macro steps."""
 

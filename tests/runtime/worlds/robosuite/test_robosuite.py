@@ -7,7 +7,7 @@ import gymnasium
 import numpy as np
 import pytest
 
-from benchmarks.robosuite import COUNTS, Counts, _Prober, run, trials
+from benchmarks.robosuite import COUNTS, Agreement, _Prober, run, trials
 from onto_compiler.command import CLEAN, FINDINGS, MISUSE
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
@@ -165,6 +165,6 @@ def test_the_protocol_lists_every_task():
     full = trials(full=True)
     assert {trial["task"] for trial in full if trial["kind"] == "states"} == set(TASKS)
     assert len(full) == 1 + 4 * (1 + COUNTS[True].repairs)
-    assert isinstance(COUNTS[False], Counts)
+    assert isinstance(COUNTS[False], Agreement)
     (row,) = run(full[0])
     assert row["files"] == []

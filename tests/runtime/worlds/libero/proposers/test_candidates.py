@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from runtime.worlds.libero.proposers.candidates import Candidate, offer, ranked
+from runtime.worlds.libero.proposers.candidates import StateCandidate, offer, ranked
 from tests.runtime.worlds.libero.proposers import conftest as scenes
 
 pytestmark = pytest.mark.sim
@@ -16,7 +16,7 @@ def request_(world):
 
 
 def opened(world, value, flaws=0, rank=0.0):
-    return Candidate(world.slide(value), f"{value}", flaws, rank)
+    return StateCandidate(world.slide(value), f"{value}", flaws, rank)
 
 
 def notes(request, batches):
@@ -46,7 +46,7 @@ def test_a_candidate_that_breaks_another_fact_comes_after_flawed_ones(world):
     lost = world.request(scenes.OPEN_DRAWER, scenes.fact("On", "crumb_1", "box_1", grounded_by="on_object"))
     pushed = world.slide(0.16)
     pushed[world.scene.qpos_slice(world.scene.free_joint("crumb_1")).start] += 0.3
-    batch = [Candidate(pushed, "pushed", 0), opened(world, 0.17, flaws=3)]
+    batch = [StateCandidate(pushed, "pushed", 0), opened(world, 0.17, flaws=3)]
     assert notes(lost, [batch]) == ["0.17", "pushed"]
 
 

@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from runtime.worlds.libero.simulator.compiled_once import Compiler, install
+from runtime.worlds.libero.simulator.compiled_once import SceneCompiler, install
 
 pytestmark = pytest.mark.sim
 CUBE = "v -1 -1 -1\nv 1 -1 -1\nv 0 1 -1\nv 0 0 {top}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
@@ -25,7 +25,7 @@ def bytes_of(model, tmp_path):
 
 
 def test_a_second_model_equals_the_first_and_is_not_it(xml, tmp_path):
-    compiler = Compiler()
+    compiler = SceneCompiler()
     first = compiler(xml)
     first.body_pos[:] = 7.0  # as LIBERO places fixtures
     second = compiler(xml)
@@ -34,7 +34,7 @@ def test_a_second_model_equals_the_first_and_is_not_it(xml, tmp_path):
 
 
 def test_a_changed_file_is_compiled_again(xml, tmp_path):
-    compiler = Compiler()
+    compiler = SceneCompiler()
     low = compiler(xml)
     (tmp_path / "thing.obj").write_text(CUBE.format(top=10))
     os.utime(tmp_path / "thing.obj", (0, 0))  # MuJoCo keeps meshes itself, by the second in which they were written
@@ -43,7 +43,7 @@ def test_a_changed_file_is_compiled_again(xml, tmp_path):
 
 
 def test_a_file_that_is_gone_is_missed_as_mujoco_misses_it(xml, tmp_path):
-    compiler = Compiler()
+    compiler = SceneCompiler()
     compiler(xml)
     (tmp_path / "thing.obj").unlink()
     with pytest.raises(ValueError, match=r"thing\.obj"):
@@ -51,7 +51,7 @@ def test_a_file_that_is_gone_is_missed_as_mujoco_misses_it(xml, tmp_path):
 
 
 def test_another_scene_is_another_model(xml):
-    compiler = Compiler()
+    compiler = SceneCompiler()
     assert compiler(xml).nbody == compiler(xml.replace('name="b"', 'name="c"')).nbody
     assert compiler(xml).body("b").id == 1
 

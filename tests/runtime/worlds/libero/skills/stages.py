@@ -16,9 +16,9 @@ class Stage:
 
     @property
     def world(self):
-        from runtime.worlds.libero.skills.world import World
+        from runtime.worlds.libero.skills.world import SkillWorld
 
-        return World(self.sim, self.player.shapes)
+        return SkillWorld(self.sim, self.player.shapes)
 
     def place(self, index=0):
         """The place that fact ``index`` of the goal asks for."""

@@ -39,14 +39,14 @@ def test_a_joint_skill_makes_its_fact_true_and_leaves_it_so(suite, task, state, 
     from runtime.loop.diagnosis import unmet
     from runtime.worlds.libero.skills.articulate import joint_skills
     from runtime.worlds.libero.skills.reach import Reach
-    from runtime.worlds.libero.skills.world import World
+    from runtime.worlds.libero.skills.world import SkillWorld
     from runtime.worlds.required import required_of
 
     ref, sim = opened(suite, task, state)
     required = required_of(ref, knowledge)
     grounder = SimGrounder(sim.scene.index, required.facts, knowledge.schema)
     assert unmet(required, grounder.observe(sim.data)) == (0,)
-    world = World(sim)
+    world = SkillWorld(sim)
     reach = Reach(world)
     skill = next(joint_skills(world, reach, knowledge.schema, required.facts[0]))
     before = sim.steps
@@ -61,11 +61,11 @@ def test_a_joint_skill_makes_its_fact_true_and_leaves_it_so(suite, task, state, 
 def test_a_fact_about_an_object_has_no_joint_skill(knowledge):
     from runtime.worlds.libero.skills.articulate import joint_skills
     from runtime.worlds.libero.skills.reach import Reach
-    from runtime.worlds.libero.skills.world import World
+    from runtime.worlds.libero.skills.world import SkillWorld
     from runtime.worlds.required import required_of
 
     ref, sim = opened("libero_goal", "put_the_bowl_on_the_stove", 0)
-    world = World(sim)
+    world = SkillWorld(sim)
     fact = required_of(ref, knowledge).facts[0]
     assert not list(joint_skills(world, Reach(world), knowledge.schema, fact))
 
@@ -73,11 +73,11 @@ def test_a_fact_about_an_object_has_no_joint_skill(knowledge):
 def test_a_drawer_is_opened_as_far_as_it_goes_for_what_is_put_in(knowledge):
     from runtime.worlds.libero.skills.articulate import widening_skills
     from runtime.worlds.libero.skills.reach import Reach
-    from runtime.worlds.libero.skills.world import World
+    from runtime.worlds.libero.skills.world import SkillWorld
     from runtime.worlds.required import required_of
 
     ref, sim = opened("libero_goal", "open_the_top_drawer_and_put_the_bowl_inside", 1)
-    world = World(sim)
+    world = SkillWorld(sim)
     reach = Reach(world)
     fact = required_of(ref, knowledge).facts[0]
     assert fact.native.predicate == "In"

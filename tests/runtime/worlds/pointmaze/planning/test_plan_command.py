@@ -32,7 +32,9 @@ def model(tmp_path_factory):
 def quick(monkeypatch):
     """Rows of the same kinds with budgets that take no time."""
     small = Budget(30, 6, 2)
-    known = {name: rows.Row(row.score, row.sensed, small, row.after, row.truth) for name, row in rows.ROWS.items()}
+    known = {
+        name: rows.PlannerRow(row.score, row.sensed, small, row.after, row.truth) for name, row in rows.ROWS.items()
+    }
     monkeypatch.setattr(rows, "ROWS", known)
     monkeypatch.setattr("runtime.worlds.pointmaze.planning.playing.ROWS", known)
     monkeypatch.setattr(rows, "ALLOWANCE", 100)

@@ -29,7 +29,7 @@ def interrupted(saves: int) -> Iterator[None]:
             raise _StoppedError
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(fit, "_KEPT_EVERY", 0.0)
+        patch.setattr(fit, "_SAVE_EVERY", 0.0)
         patch.setattr(fit, "save", stop)
         with pytest.raises(_StoppedError):
             yield

@@ -73,8 +73,7 @@ def _run(options: argparse.Namespace) -> int:
             store.add(episode)
             store.export_trig(options.out / "trace.trig")
     if options.format == "json":
-        about = {"settle_steps": steps, "uncertain": uncertain} | ({"reason": reason} if reason else {})
-        print_json(episode_summary(episode, schema) | about)
+        print_json(episode_summary(episode, schema))
     else:
         lines = [*narrate(episode, schema), *([f"  Reason: {reason}."] if reason else [])]
         lines += [f"  The start was {settled_words(steps)}.", *uncertain_lines(uncertain)]

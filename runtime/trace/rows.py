@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, is_dataclass, replace
 from typing import Any
@@ -241,6 +242,17 @@ def _plans(episode: Episode, schema: Schema) -> Any:  # noqa: ANN401 - a list, o
     return [PLAN_ROW.of(_PlanOf(plan, episode), schema) for plan in episode.plans] or OMITTED
 
 
+def _setting(name: str) -> Callable[[Episode, Schema], Any]:
+    """What an episode's provenance says under ``name``."""
+    return lambda episode, _: dict(episode.provenance).get(name, OMITTED)
+
+
+def _uncertain(episode: Episode, schema: Schema) -> Any:  # noqa: ANN401 - a list, or nothing of the kind
+    del schema
+    settings = dict(episode.provenance)
+    return json.loads(settings.get("uncertain", "[]")) if "start_settle_steps" in settings else OMITTED
+
+
 EPISODE_ROW = Row(
     "One run of the correction loop, as `onto repair --json` prints it.",
     {
@@ -261,6 +273,9 @@ EPISODE_ROW = Row(
             reverse=True,
         ),
         "plans": Column("list:ExecutedPlan", _plans, TRACE + "inEpisode", reverse=True, optional=True),
+        "settle_steps": Column("integer", _setting("start_settle_steps"), optional=True),
+        "uncertain": Column("list:UncertainFact", _uncertain, optional=True),
+        "reason": Column("string", _setting("reason"), optional=True),
         "accepted": Column("boolean", lambda episode, _: episode.accepted),
         "judge": Column("string", lambda episode, _: episode.judge),
         "settled": Column(

@@ -352,6 +352,7 @@ def test_every_grounding_that_the_ontology_names_is_registered_and_loads():
     assert named == {
         *("in_site", "joint_threshold", "on_object", "on_site", "placed_in_region"),
         *("at_target", "free_of", "velocity_matches"),
+        *("at_level", "grasped", "inside_site", "near_site", "touching"),
     }
     assert all(callable(registry.factory(name)) for name in named)
 

@@ -133,6 +133,9 @@ def test_a_grounding_reads_with_its_status(context):
         "facts": [fact],
         "premise": [],
         "native_success": False,
+        "settle_steps": 0,
+        "fixtures": None,
+        "uncertain": [],
     }
     assert set(record) == set(described().rows["Grounding"].columns)
     assert set(fact) == set(described().rows["ObservedFact"].columns)

@@ -45,7 +45,7 @@ def test_a_choice_of_ones_own_is_kept(monkeypatch):
 
 
 CHANGE = """
-from runtime.worlds.libero.simulator import pictures
+from runtime.worlds import pictures
 drawing = pictures.enable()
 print(drawing)
 if drawing:

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.sim
 AS_LIBERO = """
 import importlib, os
 import numpy as np
-from runtime.worlds.libero.simulator import pictures, snapshot
+from runtime.worlds import pictures, snapshot
 os.environ["MUJOCO_GL"] = os.environ["PYOPENGL_PLATFORM"] = pictures.backend()
 from runtime.worlds.libero.gym.environment import LiberoEnv
 from runtime.worlds.libero.simulator.assets import initial_states, named_task

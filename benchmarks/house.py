@@ -7,6 +7,7 @@ copy of the commit, as a person would have it.
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -21,6 +22,7 @@ __all__ = ["HOUSE"]
 ROOT = Path(__file__).resolve().parent.parent
 CASES, SEED = 2000, 20261130
 """How many random facts and observations each part is asked about."""
+_DURATION = re.compile(r"\s*\d+\.\d+s (?:call|setup|teardown)\s")
 
 
 def _field() -> Row:
@@ -73,7 +75,8 @@ def _suite() -> Row:
     with tempfile.TemporaryDirectory() as folder:
         clone = Path(folder) / "clone"
         subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)  # noqa: S603, S607
-        command = [sys.executable, "-m", "pytest", "-n", "2", "--dist", "loadgroup", "-q", "--hypothesis-profile=ci"]
+        command = [sys.executable, "-m", "pytest", "-n", "2", "--dist", "loadgroup", "-q", "--durations=40"]
+        command += ["--hypothesis-profile=ci", "-p", "no:cacheprovider"]
         started = time.perf_counter()
         done = subprocess.run(  # noqa: S603
             command,
@@ -84,7 +87,14 @@ def _suite() -> Row:
             env={**os.environ, "PYTHONPATH": str(clone)},
         )
         minutes = (time.perf_counter() - started) / 60
-    return {"suite_min": round(minutes, 2), "exit": done.returncode, "result": done.stdout.strip().splitlines()[-1]}
+    lines = done.stdout.strip().splitlines()
+    return {
+        "suite_min": round(minutes, 2),
+        "exit": done.returncode,
+        "result": lines[-1].strip("= "),
+        "failed": [line for line in lines if line.startswith(("FAILED", "ERROR "))],
+        "slowest": [" ".join(line.split()) for line in lines if _DURATION.match(line)],
+    }
 
 
 MEASURES: Mapping[str, Callable[[], Row]] = {

@@ -85,10 +85,13 @@ def _unregistered(model: Model) -> Iterator[Finding]:
 
 def _unserved(model: Model) -> Iterator[Finding]:
     """Routes that no installed package has a proposer, a skill or a mechanism for."""
+    served: dict[str, set[str]] = {}  # by group: reading the metadata of every package takes milliseconds
     for row in model.rows(_ROUTES):
         group, what = SERVING.get(row["level"].value, ("", ""))
         name = row["notation"].value if "notation" in row else local_name(row["route"].value)
-        known = {route_of(point) for point in points(group)} if group else {name}
+        if group and group not in served:
+            served[group] = {route_of(point) for point in points(group)}
+        known = served.get(group, {name})
         if name not in known:
             yield Finding(
                 "RTE015",

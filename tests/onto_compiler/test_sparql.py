@@ -1,14 +1,12 @@
 """No query of a person's reaches the network, however its keyword is written; what only looks like it is asked."""
 
-import socket
-import threading
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyoxigraph import Store
 
 from onto_compiler.sparql import refusal
+from tests.listening import listening
 
 PREFIX = "PREFIX service: <http://example.org/service#> PREFIX e: <http://example.org/> "
 CALLS = [
@@ -39,21 +37,8 @@ QUIET = [
 @pytest.fixture(scope="module")
 def listener():
     """An address of this machine, and the connections that were made to it."""
-    made = []
-    with socket.create_server(("127.0.0.1", 0)) as server:
-
-        def serve():
-            while True:
-                try:
-                    connection, _ = server.accept()
-                except OSError:
-                    return
-                made.append(connection)
-                connection.close()
-
-        threading.Thread(target=serve, daemon=True).start()
-        yield f"http://127.0.0.1:{server.getsockname()[1]}/", made
-        server.shutdown(socket.SHUT_RDWR)
+    with listening() as (address, made):
+        yield address, made
 
 
 def connects(query, made):

@@ -2,14 +2,13 @@
 
 import io
 import shutil
-import socket
 import sys
-import threading
 
 import pytest
 
 from onto_compiler.command import FINDINGS, MISUSE
 from runtime.cli import main
+from tests.listening import listening
 
 PREFIXES = """@prefix ex: <http://example.org/> .
 @prefix owl: <http://www.w3.org/2002/07/owl#> .
@@ -43,21 +42,8 @@ ex:S a sh:NodeShape ; sh:target [ a ex:T ] .""",
 @pytest.fixture
 def listener():
     """The address of a server on this machine, and the connections that were made to it."""
-    made = []
-    with socket.create_server(("127.0.0.1", 0)) as server:
-
-        def serve():
-            while True:
-                try:
-                    connection, peer = server.accept()
-                except OSError:
-                    return
-                made.append(peer)
-                connection.close()
-
-        threading.Thread(target=serve, daemon=True).start()
-        yield f"http://127.0.0.1:{server.getsockname()[1]}/", made
-        server.shutdown(socket.SHUT_RDWR)
+    with listening() as (address, made):
+        yield address, made
 
 
 @pytest.fixture

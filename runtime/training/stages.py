@@ -1,6 +1,6 @@
-"""What the stages of every training share: their folder, and the parts of a network, fitted one after another.
+"""What the trainings of all worlds share: a stage's folder, and the fit of a network's parts, one after another.
 
-The checkpoint of a part is deleted when its stage is done.
+A part's checkpoint is deleted when its stage is done.
 """
 
 from __future__ import annotations
@@ -9,26 +9,29 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import torch
 
 from grounding.world_model.checkpoint import Card
 from grounding.world_model.device import device_named
 from grounding.world_model.dynamics import Dynamics
+from runtime.training.config import TrainingConfig
 from runtime.training.fit import Schedule, fit
 from runtime.training.frames import Frames
 from runtime.training.motion import appearance_loss, estimate_loss, motion_loss
 
-__all__ = ["Fitter", "Log", "TrainingDir", "head_parameters"]
+__all__ = ["Fitter", "Log", "TrainingDir", "head_parameters", "train_stage"]
 
 Log = Callable[[str], None]
+Config = TypeVar("Config", bound=TrainingConfig)
+Place = TypeVar("Place", bound="TrainingDir")
 _PARTS = {"dynamics": ("motion", "appearance", "estimate"), "events": ("events",), "facts": ("facts",)}
 
 
 @dataclass(frozen=True)
 class TrainingDir:
-    """The ``folder`` of a training's checkpoints, and the ``device`` that it computes on: a GPU where there is one."""
+    """The ``folder`` of a training's checkpoints and the ``device`` it runs on: by default a GPU if there is one."""
 
     folder: Path
     device: str = field(default_factory=device_named, kw_only=True)
@@ -41,7 +44,7 @@ class TrainingDir:
 
 @dataclass(frozen=True, slots=True)
 class Fitter:
-    """Fits the network that ``card`` describes, by its seed; checkpoints of its parts are in ``place``."""
+    """Fits the network that ``card`` describes, with its seed; checkpoints of its parts are in ``place``."""
 
     place: TrainingDir
     card: Card
@@ -63,7 +66,7 @@ class Fitter:
     def dynamics(
         self, network: Dynamics, frames: Frames, sensed: torch.Tensor, schedules: Mapping[str, Schedule]
     ) -> None:
-        """Fit motion, appearance and estimate, each by its schedule, with what is fitted already."""
+        """Fit motion, appearance and estimate in this order, each by its schedule."""
         parts = {
             "motion": (network.motion, motion_loss(network, frames)),
             "appearance": (network.appearance, appearance_loss(network, frames)),
@@ -73,13 +76,30 @@ class Fitter:
             self.fit(name, part, loss, schedules[name])
 
     def forget(self, stage: str) -> None:
-        """Delete the parts' checkpoints of ``stage``, which is done."""
+        """Delete the checkpoints of the parts of ``stage``, which is finished."""
         for name in _PARTS.get(stage, ()):
             (self.place.unfinished / name).unlink(missing_ok=True)
 
 
+def train_stage(
+    stage: str,
+    makers: Mapping[str, Callable[[Config, Place, Card, Log], Mapping[str, float]]],
+    config: Config,
+    place: Place,
+    command: str,
+    commit: str,
+    log: Log,
+) -> Mapping[str, float]:
+    """Run the maker of ``stage`` with torch seeded, then delete its parts' checkpoints; returns its metrics."""
+    torch.manual_seed(config.seed)
+    card = Card("", data=config.data, seed=config.seed, command=command, commit=commit)
+    metrics = makers[stage](config, place, card, log)
+    Fitter(place, card, log).forget(stage)
+    return metrics
+
+
 def head_parameters(dynamics: Dynamics, motion: Mapping[str, Any]) -> dict[str, Any]:
-    """What builds a head that reads what ``dynamics``, of the parameters ``motion``, imagine."""
+    """The arguments of a head that reads predictions of ``dynamics``, whose motion has the parameters ``motion``."""
     return {
         "centre": motion["centre"],
         "scale": motion["scale"],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,12 +23,13 @@ from grounding.world_model.projection import fit as fit_projection
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import local_name
+from runtime.training.config import TrainingConfig
 from runtime.training.fit import Schedule
 from runtime.training.frames import HORIZON, Frames, encoded
 from runtime.training.heads import LabelFunctions, RolloutEnds, RolloutSampler, event_loss, fact_loss
 from runtime.training.measures import auroc, calibration_error
 from runtime.training.request import Stage, TrainingRequest, given
-from runtime.training.stages import Fitter, Log, TrainingDir, head_parameters
+from runtime.training.stages import Fitter, Log, TrainingDir, head_parameters, train_stage
 from runtime.worlds.pointmaze.geodesic import Geodesic
 from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
 from runtime.worlds.pointmaze.maze import MACRO_STEPS, MAX_SPEED, STATE_DIM, Maze, maze_named
@@ -51,45 +52,34 @@ def stages(asked: TrainingRequest) -> Stage:
     return lambda stage, command, commit, log: train(stage, config, place, command, commit, log)
 
 
-@dataclass(frozen=True, slots=True)
-class MazeTrainingConfig:
-    """What decides a training, every number of it."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MazeTrainingConfig(TrainingConfig):
+    """``trajectories`` of ``steps`` environment steps in ``maze``; ``heads``: optimiser steps of each head."""
 
     maze: str = "u_maze"
     encoder: str = DEFAULT
-    seed: int = 0
     trajectories: int = 2000
     steps: int = 100
     components: int = 128
-    members: int = 3
     motion: int = 12000
     appearance: int = 2000
     estimate: int = 3000
     heads: int = 3000
 
-    @property
-    def data(self) -> dict[str, Any]:
-        """What a card says of it."""
-        return asdict(self)
-
 
 def train(
     stage: str, config: MazeTrainingConfig, place: TrainingDir, command: str, commit: str, log: Log
 ) -> Mapping[str, float]:
-    """Train one of :data:`runtime.training.STAGES`, those before it lying in ``place``; returns its card's metrics.
+    """Train one of :data:`runtime.training.STAGES` from the checkpoints in ``place``; returns the metrics of its card.
 
-    An interrupted stage goes on where it stopped.
+    An interrupted stage resumes where it stopped.
 
     Raises:
         OntoError: ``WM001`` ff. where an earlier stage's checkpoint is missing or damaged, ``WM006`` where the folder
             cannot be written.
     """
-    torch.manual_seed(config.seed)
-    card = Card("", data=config.data, seed=config.seed, command=command, commit=commit)
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
-    metrics = makers[stage](config, place, card, log)
-    Fitter(place, card, log).forget(stage)
-    return metrics
+    return train_stage(stage, makers, config, place, command, commit, log)
 
 
 def _projection(config: MazeTrainingConfig, place: TrainingDir, card: Card, log: Log) -> Mapping[str, float]:

@@ -1,31 +1,28 @@
-"""What decides a training of LIBERO-Goal's world model, every number of it."""
+"""The configuration of the training of LIBERO-Goal's world model."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
+
+from runtime.training.config import TrainingConfig
 
 __all__ = ["SceneTrainingConfig"]
 
 
-@dataclass(frozen=True, slots=True)
-class SceneTrainingConfig:
-    """``demos`` demonstrations of each of the tasks ``indices`` (all without), of trials of ``demo_seed``."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SceneTrainingConfig(TrainingConfig):
+    """``demos`` demonstrations, from trials of seed ``demo_seed``, of each task in ``indices`` (empty: of all tasks).
+
+    ``facts`` and ``events`` are the optimiser steps of the two heads.
+    """
 
     encoder: str = "lite0:block7:128"
-    seed: int = 0
     demos: int = 40
     demo_seed: int = 0
     indices: tuple[int, ...] = ()
     components: int = 256
-    members: int = 3
     motion: int = 5000
     appearance: int = 3000
     estimate: int = 1500
     facts: int = 3000
     events: int = 3000
-
-    @property
-    def data(self) -> dict[str, Any]:
-        """What a card says of it."""
-        return asdict(self)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import torch
 
 from grounding.world_model import dynamics as dynamics_module
 from grounding.world_model.checkpoint import Card, save
@@ -21,7 +20,7 @@ from grounding.world_model.scene import SCENE_EVENTS, SCENE_FACTS, SceneEventHea
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.problems import OntoError
 from runtime.training.fit import Schedule
-from runtime.training.stages import Fitter, Log, TrainingDir, head_parameters
+from runtime.training.stages import Fitter, Log, TrainingDir, head_parameters, train_stage
 from runtime.worlds.libero.training.config import SceneTrainingConfig
 from runtime.worlds.libero.training.film import MACRO, PIXELS
 from runtime.worlds.libero.training.hand import PLACES, SIZE
@@ -55,18 +54,14 @@ class FilmPlace(TrainingDir):
 def train(
     stage: str, config: SceneTrainingConfig, place: FilmPlace, command: str, commit: str, log: Log
 ) -> Mapping[str, float]:
-    """Train one of :data:`runtime.training.STAGES`, those before it lying in ``place``; returns its card's metrics.
+    """Train one of :data:`runtime.training.STAGES` from the checkpoints in ``place``; returns the metrics of its card.
 
     Raises:
         OntoError: as :func:`runtime.worlds.pointmaze.training.train` and
         :func:`runtime.worlds.libero.training.library.filmed`.
     """
-    torch.manual_seed(config.seed)
-    card = Card("", data=config.data, seed=config.seed, command=command, commit=commit)
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}
-    metrics = makers[stage](config, place, card, log)
-    Fitter(place, card, log).forget(stage)
-    return metrics
+    return train_stage(stage, makers, config, place, command, commit, log)
 
 
 def load_windows(config: SceneTrainingConfig, place: FilmPlace, split: str, seen: Projected, log: Log) -> Windows:

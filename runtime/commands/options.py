@@ -7,7 +7,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-__all__ = ["add_budget", "add_state", "add_task", "chosen_state", "settled_words", "start_options", "uncertain_lines"]
+__all__ = [
+    "add_budget",
+    "add_state",
+    "add_task",
+    "chosen_state",
+    "control_steps",
+    "settled_words",
+    "start_options",
+    "uncertain_lines",
+]
 
 
 class _InSuite(argparse.Action):
@@ -59,7 +68,7 @@ def add_state(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--settle",
-        type=_steps,
+        type=control_steps,
         metavar="N",
         help="control steps without motion before the start is judged (default: 10 for an official initial state, "
         "0 for your own)",
@@ -92,13 +101,14 @@ def settled_words(steps: int) -> str:
     return f"settled for {steps} step{'' if steps == 1 else 's'}" if steps else "not settled"
 
 
-def _steps(text: str) -> int:
+def control_steps(text: str, least: int = 0) -> int:
+    """A number of control steps on the command line, ``least`` or more."""
     try:
         steps = int(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(f"`{text}` is not a number of control steps") from error
-    if steps < 0:
-        raise argparse.ArgumentTypeError(f"{steps} control steps; there can be none, or more")
+    if steps < least:
+        raise argparse.ArgumentTypeError(f"{steps} control steps; give {least} or more")
     return steps
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 
 from onto_compiler.command import Command, add_format, add_ontology
-from onto_compiler.problems import OntoError
-from runtime.commands.options import add_state, add_task
+from runtime.commands.options import add_state, add_task, control_steps
 from runtime.trace.options import add_identity
 
 __all__ = ["PLAY"]
@@ -21,7 +21,10 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     add_identity(parser)
     parser.add_argument("--look-ahead", action="store_true", help="rehearse each decision in a fork of the simulation")
     parser.add_argument(
-        "--horizon", type=_steps, metavar="N", help="control steps that it may take (default: the suite's)"
+        "--horizon",
+        type=partial(control_steps, least=1),
+        metavar="N",
+        help="control steps that it may take (default: the suite's)",
     )
     parser.add_argument(
         "--candidates",
@@ -43,16 +46,6 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     add_format(parser)
 
 
-def _steps(text: str) -> int:
-    try:
-        steps = int(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(f"`{text}` is no number of control steps") from error
-    if steps < 1:
-        raise argparse.ArgumentTypeError(f"{steps} control steps, of which there must be one at least")
-    return steps
-
-
 def _film(text: str) -> Path:
     path = Path(text)
     if path.suffix.lower() not in _FILMS:
@@ -61,18 +54,10 @@ def _film(text: str) -> Path:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from runtime.worlds.pictures import ADVICE, enable  # noqa: PLC0415 - heavy imports wait for the command to run
+    from runtime.worlds.pictures import cannot_render, enable  # noqa: PLC0415 - heavy imports wait for the command to run
 
-    if options.horizon is not None and options.horizon < 1:
-        raise OntoError.of("CLI004", f"a horizon of {options.horizon} control steps", "give at least one")
-    if options.film is not None:
-        if options.film.suffix.lower() not in _FILMS:
-            message = f"a film is an HTML page or a PNG, and `{options.film}` is neither"
-            raise OntoError.of("CLI004", message, "end its name in .html or .png")
-        if not enable():  # before MuJoCo is imported, which settles how it draws
-            raise OntoError.of(
-                "SIM031", "no picture can be drawn on this machine, neither by EGL nor by OSMesa", ADVICE
-            )
+    if options.film is not None and not enable():  # before MuJoCo is imported, which then chooses how it renders
+        raise cannot_render()
     from runtime.worlds.libero.commands.playing import play  # noqa: PLC0415 - as above
 
     return play(options)

@@ -44,8 +44,8 @@ def test_an_episode_that_is_cut_short_is_told_kept_and_no_success(capsys, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "code", "says"),
     [
-        (("libero_goal/8", "--horizon", "0"), "CLI002", "of which there must be one at least"),
-        (("libero_goal/8", "--horizon", "soon"), "CLI002", "`soon` is no number of control steps"),
+        (("libero_goal/8", "--horizon", "0"), "CLI002", "0 control steps; give 1 or more"),
+        (("libero_goal/8", "--horizon", "soon"), "CLI002", "`soon` is not a number of control steps"),
         (("libero_goal/8", "--film", "strip.gif"), "CLI002", "ends in none of .html, .jpg, .png"),
         (("libero_goal/8", "--candidates", "random"), "CLI002", "geometry"),
         (("libero_goal/99",), "SIM012", "10 tasks"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from numpy.typing import ArrayLike
 
@@ -23,12 +23,11 @@ __all__ = ["DiagnosedFact", "DiagnosedTask", "GroundedFact", "GroundedTask", "di
 
 
 @dataclass(frozen=True, slots=True)
-class GroundedFact:
-    """A required fact with its evidence.
+class _FactEvidence:
+    """A required fact and the evidence for it.
 
-    ``fact`` is the fact in words, ``native`` the atom of the task file, ``status`` "satisfied", "absent", "explicitly
-    false" or "margin violated". ``margin`` is in ``unit``, positive where satisfied and NaN where none is defined;
-    ``limit`` is the term that decides it.
+    ``fact`` is the fact in words, ``status`` "satisfied", "absent", "explicitly false" or "margin violated". ``margin``
+    is in ``unit``, positive where satisfied and NaN where none is defined; ``limit`` is the term that decides it.
     """
 
     fact: str
@@ -36,11 +35,22 @@ class GroundedFact:
     arguments: tuple[str, ...]
     polarity: bool
     truth: bool
-    satisfied: bool
     status: str
     margin: float
     unit: str
     limit: str
+
+    @classmethod
+    def of(cls, row: Mapping[str, Any], margin: float) -> Self:
+        """The fact of a ``row`` of JSON, whose margin is None where it is not defined."""
+        return cls(**{**row, "arguments": tuple(row["arguments"]), "margin": margin})
+
+
+@dataclass(frozen=True, slots=True)
+class GroundedFact(_FactEvidence):
+    """A required fact with its evidence; ``native`` is the atom of the task file."""
+
+    satisfied: bool
     native: str
 
 
@@ -48,8 +58,8 @@ class GroundedFact:
 class GroundedTask:
     """The facts of goal and premise in one state, and the native verdict, None where the ``world`` cannot judge.
 
-    ``settle_steps`` without motion came before it. ``fixtures`` is who says where the fixtures stand; where nobody
-    does, ``uncertain`` lists the facts whose verdict hangs on it.
+    The state was first settled for ``settle_steps`` without motion. ``fixtures`` is the source of the fixtures' poses;
+    where it is None, ``uncertain`` lists the facts whose verdict depends on these poses.
     """
 
     world: str
@@ -65,18 +75,9 @@ class GroundedTask:
 
 
 @dataclass(frozen=True, slots=True)
-class DiagnosedFact:
-    """An unmet fact with its failure and its route, by their short names; the loop begins with what is ``selected``."""
+class DiagnosedFact(_FactEvidence):
+    """An unmet fact with the short names of its failure and route; the loop starts with the one ``selected``."""
 
-    fact: str
-    predicate: str
-    arguments: tuple[str, ...]
-    polarity: bool
-    truth: bool
-    status: str
-    margin: float
-    unit: str
-    limit: str
     failure: str
     route: str
     rule: str
@@ -85,11 +86,11 @@ class DiagnosedFact:
 
 @dataclass(frozen=True, slots=True)
 class DiagnosedTask:
-    """What a state lacks of a goal, by the nearest way to reach it.
+    """The unmet facts of a goal in one state, for the alternative of the goal that is nearest to it.
 
-    ``required`` counts the facts of that way; ``alternatives`` holds the unmet facts of each way, the nearest first.
-    ``settle_steps`` without motion came before it. ``fixtures`` is who says where the fixtures stand; where nobody
-    does, ``uncertain`` lists the facts whose verdict hangs on it.
+    ``required`` counts the facts of that alternative; ``alternatives`` has the unmet facts of each, the nearest first.
+    The state was first settled for ``settle_steps`` without motion. ``fixtures`` is the source of the fixtures' poses;
+    where it is None, ``uncertain`` lists the facts whose verdict depends on these poses.
     """
 
     task: str
@@ -119,10 +120,10 @@ def ground(
         state: The number of an official initial state, the path of a ``.npy`` file, or a flat state itself: time,
             qpos and qvel, shape (1 + nq + nv,).
         ontology: Turtle files of your own, for predicates, bindings, rules and routes.
-        seed: Places the fixtures, which no initial state describes; 0 where nobody says.
-        settle: Control steps without motion before the state is judged; without a number, an official state takes as
-            many as its world's evaluations, and one of your own none.
-        model: A file that says where the fixtures stand: MJCF that was saved from the scene, or demonstrations.
+        seed: Places the fixtures, which no initial state describes; default 0.
+        settle: Control steps without motion before the state is judged. Default: for an official state, as many as its
+            world's evaluations use; for a state of your own, none.
+        model: A file with the fixtures' poses: MJCF that was saved from the scene, or demonstrations.
         imports: Modules that register objects and predicates of your own with LIBERO.
 
     Raises:
@@ -156,10 +157,10 @@ def diagnose(
     model: str | None = None,
     imports: Sequence[str] = (),
 ) -> DiagnosedTask:
-    """Name what ``task`` lacks in the initial ``state``; the arguments are those of :func:`ground`.
+    """Diagnose the unmet facts of ``task`` in the initial ``state``; the arguments are those of :func:`ground`.
 
     Raises:
-        OntoError: as :func:`ground`, and ``RUN003`` where no rule speaks of a failure.
+        OntoError: as :func:`ground`, and ``RUN003`` where no rule matches a failure.
     """
     with open_task(task, ontology, seed, possible=True, model=model, imports=imports) as runner:
         start, given = start_of(state)
@@ -172,8 +173,8 @@ def diagnose(
     first = select(found).index if found else -1
 
     def diagnosed(one: Diagnosis) -> DiagnosedFact:
-        told = UNMET.of(RoutedDiagnosis(one, route(one, knowledge, level=level).route, one.index == first), schema)
-        return DiagnosedFact(**{**told, "arguments": tuple(told["arguments"]), "margin": one.margin})
+        routed = RoutedDiagnosis(one, route(one, knowledge, level=level).route, one.index == first)
+        return DiagnosedFact.of(UNMET.of(routed, schema), one.margin)
 
     return DiagnosedTask(
         task=required.task,
@@ -202,9 +203,9 @@ def repair(
 ) -> Episode:
     """Run the correction loop on ``task`` from the initial ``state``; the arguments are those of :func:`ground`.
 
-    ``budget`` is how many attempts the loop may make. ``judge`` is "native", LIBERO's own predicate, or "grounding":
-    the facts as they are grounded accept, which the record says. ``proposers`` names, by route, which of several
-    proposers acts.
+    ``budget`` is the largest number of attempts. ``judge`` is "native", LIBERO's own predicate, or "grounding", the
+    grounded facts; the record says which. ``proposers`` chooses a proposer by the name of its route, where a route has
+    several.
 
     Raises:
         OntoError: as :func:`ground`; ``SIM018`` where the native judge does not know a predicate of the goal.
@@ -221,7 +222,4 @@ def repair(
 
 
 def _grounded(facts: Sequence[Fact], observation: Observation, schema: Schema) -> tuple[GroundedFact, ...]:
-    rows = ((each, OBSERVED.of(each, schema)) for each in seen_facts(facts, observation))
-    return tuple(
-        GroundedFact(**{**told, "arguments": tuple(told["arguments"]), "margin": each.margin}) for each, told in rows
-    )
+    return tuple(GroundedFact.of(OBSERVED.of(each, schema), each.margin) for each in seen_facts(facts, observation))

@@ -7,15 +7,16 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self, cast
+from typing import Any, cast
+
+from onto_compiler.closing import Closing
 
 __all__ = ["Client"]
 
 _PROGRAM = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
 
 
-class Client:
+class Client(Closing):
     """A server process and the messages to and from it; ``log`` holds every notification in order.
 
     ``folder`` is the workspace that the editor has open.
@@ -34,12 +35,6 @@ class Client:
             start["workspaceFolders"] = [{"uri": folder.as_uri(), "name": folder.name}]
         self.capabilities = self.ask("initialize", start)["capabilities"]
         self.tell("initialized", {})
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self.close()
 
     def close(self) -> int:
         """End the session as the protocol has it; the exit code."""

@@ -10,11 +10,10 @@ import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, serialize
 
+from onto_compiler.closing import Closing
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import ALIGNED, PREFIXES, RDF
 from onto_compiler.schema import Schema
@@ -39,7 +38,7 @@ _AGAIN = "export it again with `onto trace export`"
 _COPIES = 3  # how often a copy of a store that is being written is tried
 
 
-class TraceStore:
+class TraceStore(Closing):
     """A store on disk that one process fills, an episode at a time, for one ``run``.
 
     It also holds the ontology, so that a query can follow superclasses, units and labels at any SPARQL endpoint. A
@@ -69,14 +68,6 @@ class TraceStore:
         except (OSError, RuntimeError) as error:
             raise _unwritable(self.path, error) from error
         refresh(self._store, ontology)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Write everything out and release the folder."""

@@ -7,12 +7,13 @@ import os
 import subprocess
 import sys
 from functools import cache
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
-__all__ = ["ADVICE", "Camera", "Cameras", "backend", "enable"]
+from onto_compiler.closing import Closing
+from onto_compiler.problems import OntoError
+
+__all__ = ["ADVICE", "Camera", "Cameras", "backend", "cannot_render", "enable"]
 
 ADVICE = "for pictures: apt-get install libegl-mesa0 libgl1 (or libosmesa6)"
 _BACKENDS = ("egl", "osmesa")
@@ -48,6 +49,11 @@ def backend() -> str | None:
     return next((name for name in _BACKENDS if _works({**os.environ, **_choice(name)})), None)
 
 
+def cannot_render() -> OntoError:
+    """``SIM031``, for where :func:`backend` finds none."""
+    return OntoError.of("SIM031", "this machine cannot render pictures, neither by EGL nor by OSMesa", ADVICE)
+
+
 def _choice(name: str) -> dict[str, str]:
     return {"MUJOCO_GL": name, "PYOPENGL_PLATFORM": name}
 
@@ -63,7 +69,7 @@ def _works(environment: dict[str, str]) -> bool:
     return done.returncode == 0
 
 
-class Camera:
+class Camera(Closing):
     """Draws states of one model from a camera of its scene, without shadows and collision geometry."""
 
     def __init__(self, model: object, name: str = "agentview") -> None:
@@ -101,14 +107,6 @@ class Camera:
         """Free what drawing takes; allowed more than once."""
         self._renderer.close()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
 
 def _drawn(model: object) -> list[str]:
     """Names of the members of ``model`` that decide how it looks."""
@@ -122,7 +120,7 @@ def _same(first: object, second: object) -> bool:
     return first == second if isinstance(first, bytes | int) else True
 
 
-class Cameras:
+class Cameras(Closing):
     """A camera for one scene after another: the last one again where it draws the next scene too."""
 
     def __init__(self) -> None:
@@ -140,11 +138,3 @@ class Cameras:
         if self._last is not None:
             self._last.close()
             self._last = None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()

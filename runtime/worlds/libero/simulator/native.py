@@ -6,13 +6,13 @@ import importlib.metadata
 import platform
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
+from onto_compiler.closing import Closing
 from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
 from runtime.worlds import snapshot
@@ -31,7 +31,7 @@ PLACEMENTS = 10
 """Samples of a crowded scene that are tried before it counts as impossible."""
 
 
-class NativeTask:
+class NativeTask(Closing):
     """One LIBERO task in its native environment, without pictures.
 
     Fixtures are placed at random when the environment resets; ``seed`` fixes them. The state after that reset is kept,
@@ -80,14 +80,6 @@ class NativeTask:
     def open(cls, ref: TaskRef, seed: int = 0) -> Self:
         """Build the environment of a suite's task."""
         return cls(ref.bddl, seed)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Free the environment."""

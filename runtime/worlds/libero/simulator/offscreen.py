@@ -11,15 +11,15 @@ import atexit
 import importlib
 import os
 import weakref
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from onto_compiler.closing import Closing
 from onto_compiler.problems import OntoError, near
-from runtime.worlds.pictures import ADVICE, backend
+from runtime.worlds.pictures import backend, cannot_render
 
 __all__ = ["Offscreen"]
 
@@ -29,7 +29,7 @@ _DREW_FIRST: list[int] = []  # the process that did, which a forked one inherits
 _FAST_OFF = (mujoco.mjtRndFlag.mjRND_SHADOW, mujoco.mjtRndFlag.mjRND_REFLECTION)
 
 
-class Offscreen:
+class Offscreen(Closing):
     """Draws states of one model, in an OpenGL context of its own."""
 
     def __init__(self, model: mujoco.MjModel, height: int, width: int, *, fast: bool = False) -> None:
@@ -87,14 +87,6 @@ class Offscreen:
             self._gl.free()
         self._gl = self._context = None
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
 
 def _close_all() -> None:
     for screen in tuple(_OPEN):
@@ -104,7 +96,7 @@ def _close_all() -> None:
 def _context(width: int, height: int) -> Any:  # noqa: ANN401  one class per backend, untyped
     found = backend()
     if found is None:
-        raise OntoError.of("SIM031", "no picture can be drawn on this machine, neither by EGL nor by OSMesa", ADVICE)
+        raise cannot_render()
     if _DREW_FIRST and _DREW_FIRST[0] != os.getpid():
         message = "OpenGL was in use in the process that this one was forked from, and would hang here"
         raise OntoError.of("SIM032", message, 'start workers with context="spawn", or draw in the workers only')

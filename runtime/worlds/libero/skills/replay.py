@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from types import TracebackType
-from typing import Self
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grounding.observation import Observation
 from grounding.sim import SimGrounder
+from onto_compiler.closing import Closing
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import Schema
 from runtime.loop.faults import RunFault
@@ -21,7 +19,7 @@ from runtime.worlds.snapshot import Snapshot
 __all__ = ["NativeReplay"]
 
 
-class NativeReplay:
+class NativeReplay(Closing):
     """Goes through what was played, one native control step at a time; ``steps`` counts them from :meth:`begin`."""
 
     def __init__(self, task: NativeTask, required: RequiredABox, schema: Schema) -> None:
@@ -85,11 +83,3 @@ class NativeReplay:
     def close(self) -> None:
         """Free the native environment."""
         self._task.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()

@@ -27,7 +27,7 @@ def fetch(requirement: str, filename: str, sha256: str, members_prefix: str = ""
     The archive is kept beside them, so that several prefixes of one archive cost one download.
 
     Raises:
-        OntoError: BEN003, where the archive cannot be had or its SHA-256 is not ``sha256``.
+        OntoError: BEN003 if the archive cannot be had or its SHA-256 is not ``sha256``.
     """
     kind = hashlib.sha256(f"{sha256} {members_prefix}".encode()).hexdigest()[:16]
     unpacked = cache.resolve() / f"{filename}.{kind}"

@@ -37,7 +37,7 @@ def corpus(name: str, cache: Path = CACHE) -> tuple[Path, tuple[Path, ...]]:
     """The folder of a corpus and its task files, sorted.
 
     Raises:
-        OntoError: BEN003, where an archive cannot be had, or LIBERO is not installed.
+        OntoError: BEN003 if an archive cannot be had, or LIBERO is not installed.
         RuntimeError: where there are not as many files as :data:`FILES` says.
     """
     match name:

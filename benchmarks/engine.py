@@ -25,7 +25,7 @@ def run_protocol(
     A trial that raises gives one row with ``crashed`` set, which counts as a failure. ``tick`` is called per trial.
 
     Raises:
-        OntoError: BEN002, where ``rows_file`` cannot be written.
+        OntoError: BEN002 if ``rows_file`` cannot be written.
     """
     done = dict(_read(rows_file))
     todo = [trial for trial in trials if trial["key"] not in done]

@@ -46,7 +46,7 @@ CHECKED = 20  # every twentieth Turtle file is checked whole
 
 @dataclass(slots=True)
 class Outcome:
-    """What became of one input; ``fault`` is empty where nothing was wrong with us."""
+    """What became of one input; ``fault`` is empty if nothing was wrong with us."""
 
     problems: tuple[Problem, ...] = ()
     past_lexer: bool = False

@@ -38,7 +38,7 @@ def seeds(language: str) -> tuple[Seed, ...]:
     """Every seed of a language, in a fixed order: LIBERO's tasks or our ontology, then examples and tests' files.
 
     Raises:
-        OntoError: SIM010, where LIBERO is not installed.
+        OntoError: SIM010 if LIBERO is not installed.
     """
     if language == BDDL:
         files = [task.bddl for suite in SUITES for task in tasks(suite)]

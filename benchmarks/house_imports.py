@@ -74,7 +74,7 @@ def naming_tasks_of(world: str) -> list[str]:
     """The files of :data:`LAYERS` that name a task of ``world``, outside its own folder and the bindings.
 
     A task is named by its name in quotation marks, by ``SUITE/NAME`` or ``SUITE/INDEX``, or as a problem. Raises
-    ``RUN015``, ``SIM010`` where the world cannot say its tasks.
+    ``RUN015``, ``SIM010`` if the world cannot say its tasks.
     """
     found = world_named(world)
     refs = [ref for suite in found.suites() for ref in found.tasks(suite)]

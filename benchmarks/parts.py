@@ -19,7 +19,7 @@ def chosen_trials(protocol: Protocol, trials: Sequence[Trial], names: Sequence[s
     """Those of ``trials`` that belong to the parts ``names``; all of them where none is named.
 
     Raises:
-        OntoError: BEN005, where the protocol has no parts, or none of a name.
+        OntoError: BEN005 if the protocol has no parts, or none of a name.
     """
     if not names:
         return trials

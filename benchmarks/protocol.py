@@ -87,7 +87,7 @@ def protocol_named(name: str) -> Protocol:
     """The protocol called ``name``.
 
     Raises:
-        OntoError: BEN001, where none is called so.
+        OntoError: BEN001 if none is called so.
     """
     known = registered_protocols()
     if name not in known:

@@ -27,7 +27,7 @@ _PERTURBED = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class Registered:
-    """One name of the registry; ``file`` is None where no task file fits, ``known`` where its suffix is understood."""
+    """One name of the registry; ``file`` is None if no task file fits, ``known`` where its suffix is understood."""
 
     suite: str
     name: str
@@ -39,7 +39,7 @@ def registry(cache: Path = CACHE) -> tuple[Registered, ...]:
     """Every registered task of the four suites, in the registry's order.
 
     Raises:
-        OntoError: BEN003, where the archive cannot be had.
+        OntoError: BEN003 if the archive cannot be had.
         RuntimeError: where a suite has another number of names than :data:`SUITES` says.
     """
     root, files = corpus(LIBERO_PLUS, cache)

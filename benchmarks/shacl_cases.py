@@ -95,7 +95,7 @@ def _entries(path: Path, root: Path) -> Iterator[ShaclCase]:
 
 
 def run_shacl_case(case: ShaclCase) -> str:
-    """What is wrong with our report, as a sentence; empty where it is the expected one."""
+    """What is wrong with our report, as a sentence; empty if it is the expected one."""
     manifest = _read(case.file)
     (action,) = manifest.objects(case.node, _ACTION)
     (expected,) = manifest.objects(case.node, _RESULT)
@@ -182,7 +182,7 @@ def rule_cases(root: Path) -> Iterator[RuleCase]:
 
 
 def run_rule_case(case: RuleCase) -> str:
-    """What the rules conclude amiss, as a sentence; empty where it is exactly what the case expects."""
+    """What the rules conclude amiss, as a sentence; empty if it is exactly what the case expects."""
     shapes = _read(case.file)
     data = _read(case.file)
     for imported in shapes.values(_IMPORTS):

@@ -145,7 +145,7 @@ def _told(verdict: ReplayVerdict) -> Row:
 
 
 def before_retry(tries: Sequence[SkillAttempt]) -> int | None:
-    """Control steps until a fact is tried for the second time; None where none is."""
+    """Control steps until a fact is tried for the second time; None if none is."""
     steps, seen = 0, set()
     for each in tries:
         if each.fact in seen:

@@ -106,7 +106,7 @@ def _finite(values: Floats) -> bool:
 
 @compiled
 def _less(a: float, b: float) -> float:
-    """The smaller number, and NaN where there is one."""
+    """The smaller number, and NaN if there is one."""
     return b if not a <= b else a
 
 

@@ -40,7 +40,7 @@ class ContactPlaces(NamedTuple):
 
 @cache
 def contact_places() -> ContactPlaces:
-    """The places in the installed MuJoCo; raises ``SIM010`` where its introspection does not describe it."""
+    """The places in the installed MuJoCo; raises ``SIM010`` if its introspection does not describe it."""
     data, contact = _layout("mjData", "contact"), _layout("mjContact")
     places = ContactPlaces(
         _offset(data, "ncon"), _offset(data, "contact"), _offset(contact, "geom"), ctypes.sizeof(contact)

@@ -16,7 +16,7 @@ class Evidence:
     """What one grounding function found for one atom.
 
     ``truth`` is the native predicate's own value. ``margin`` is signed, positive when satisfied, in the predicate's
-    unit, NaN where none is defined; ``limit`` names the term that decides it (``contact``, ``x``, ``height`` ...).
+    unit, NaN if none is defined; ``limit`` names the term that decides it (``contact``, ``x``, ``height`` ...).
     """
 
     truth: bool
@@ -28,7 +28,7 @@ class Evidence:
 class Observation:
     """Arrays of one length, entry i speaking of required fact i.
 
-    ``source`` is ``"sim"`` or ``"pred"``; ``observed`` is False where the grounder has no evidence at all; ``score`` is
+    ``source`` is ``"sim"`` or ``"pred"``; ``observed`` is False if the grounder has no evidence at all; ``score`` is
     a world model's probability that the fact holds (NaN from a simulator).
     """
 

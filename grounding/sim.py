@@ -81,7 +81,7 @@ class SimGrounder:
 
     @cached_property
     def _compiled(self) -> CompiledTruth | None:
-        """None where the installed MuJoCo keeps its memory in a way that is not known here."""
+        """None if the installed MuJoCo keeps its memory in a way that is not known here."""
         try:
             contact_places()
         except OntoError:

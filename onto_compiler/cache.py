@@ -43,7 +43,7 @@ def digest(files: Iterable[Path]) -> str:
 
 
 def cache_folder() -> Path | None:
-    """Where this system keeps a person's caches, in a folder of our own; None where there is no home."""
+    """Where this system keeps a person's caches, in a folder of our own; None if there is no home."""
     try:
         home = Path.home()
     except RuntimeError:
@@ -98,7 +98,7 @@ class VerdictCache:
         self._prune()
 
     def _read(self) -> dict[str, Any] | None:
-        """The verdicts on disk; None where the file is damaged."""
+        """The verdicts on disk; None if the file is damaged."""
         try:
             head, _, verdicts = self.path.read_text(encoding="utf-8").partition("\n")
         except UnicodeDecodeError:

@@ -97,7 +97,7 @@ def compile_schema(store: Store) -> Schema:
     """Read every table of the schema out of ``store`` (all its graphs).
 
     Raises:
-        OntoError: SCH001, where a declaration lacks what its table needs; `onto check` says it with the line.
+        OntoError: SCH001 if a declaration lacks what its table needs; `onto check` says it with the line.
 
     """
     closure = read_hierarchy(store)

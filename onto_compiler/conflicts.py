@@ -12,7 +12,7 @@ __all__ = ["entails", "exclude"]
 
 
 def exclude(one: Fact, other: Fact, schema: Schema) -> bool:
-    """Whether ``one`` and ``other`` cannot both be satisfied; False where nothing that is declared says so."""
+    """Whether ``one`` and ``other`` cannot both be satisfied; False if nothing that is declared says so."""
     if one.predicate == other.predicate and one.arguments == other.arguments:
         return one.polarity != other.polarity
     first, second = _side(one, schema), _side(other, schema)

@@ -36,7 +36,7 @@ class Rule:
     iri: str
     label: str
     order: float
-    target: str  # class IRI; empty where the targets are no classes
+    target: str  # class IRI; empty if the targets are no classes
     query: str
     shape_order: float = 0.0
     general: RuleBase | None = None
@@ -46,7 +46,7 @@ def read_rules(store: Store) -> tuple[Rule, ...]:
     """Every rule in ``store`` that is not deactivated, in the order in which they run.
 
     Raises:
-        OntoError: SHP002, where a rule is of a kind that is not known or lacks a part; QRY001 to QRY003, where its
+        OntoError: SHP002 if a rule is of a kind that is not known or lacks a part; QRY001 to QRY003 if its
             query must not be asked.
     """
     graph = Graph.of_store(store)
@@ -79,7 +79,7 @@ def apply_rules(
     ``focus`` restricts the nodes that may fire; by default all instances of each rule's target class do.
 
     Raises:
-        OntoError: RUN001, where a rule is not a SPARQL CONSTRUCT query; SHP002, where another rule cannot run.
+        OntoError: RUN001 if a rule is not a SPARQL CONSTRUCT query; SHP002 if another rule cannot run.
     """
     allowed = None if focus is None else set(focus)
     concluded: list[Triple] = []

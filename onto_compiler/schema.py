@@ -35,12 +35,12 @@ class PredicateSignature:
     name: str
     kind: str  # the subclass of core:Predicate that routes and rules speak of
     parameters: tuple[str, ...]
-    margin_unit: str | None  # a QUDT unit IRI; None where no continuous margin is defined
+    margin_unit: str | None  # a QUDT unit IRI; None if no continuous margin is defined
     grounded_by: str | None  # the registered name of the function that grounds it, unless its binding names another
     definition: str = ""
     acyclic: bool = False  # with the others of this kind: nothing stands in it to itself, not even by way of others
-    tolerance: float | None = None  # what its margin is counted from, in the margin's unit; None where it has none
-    moves: int | None = None  # the argument (from 0) that is moved to bring a fact about; None where none is
+    tolerance: float | None = None  # what its margin is counted from, in the margin's unit; None if it has none
+    moves: int | None = None  # the argument (from 0) that is moved to bring a fact about; None if none is
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ def collect(paths: Iterable[Path | str]) -> tuple[Path, ...]:
     """Turtle files among ``paths``; a folder stands for every ``*.ttl`` :func:`~onto_compiler.folders.below` it.
 
     Raises:
-        OntoError: TTL002, where a path does not exist or a folder holds no Turtle.
+        OntoError: TTL002 if a path does not exist or a folder holds no Turtle.
 
     """
     found: list[Path] = []

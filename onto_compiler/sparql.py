@@ -43,7 +43,7 @@ class Refusal:
 def refusal(
     query: str, *, prefixes: Mapping[str, str] | None = None, graphs: Container[str] = frozenset()
 ) -> Refusal | None:
-    """Why ``query`` must not be asked; None where it may be.
+    """Why ``query`` must not be asked; None if it may be.
 
     ``prefixes`` need no declaration in it, and ``graphs`` are the IRIs of the named graphs that its FROM may name.
 

@@ -103,7 +103,7 @@ def compile_tables(store: Store, schema: Schema, disagreements: list[Disagreemen
     Given a list, disagreements are added to it and do not raise.
 
     Raises:
-        OntoError: RUN002, where two rules conclude different things of the same combination.
+        OntoError: RUN002 if two rules conclude different things of the same combination.
     """
     scratch = Store()
     scratch.extend(iter(store))

@@ -25,7 +25,7 @@ def two_names(fact: Fact) -> tuple[str, str]:
 
 
 def tolerance_of(fact: Fact, schema: Schema) -> float:
-    """The tolerance that the TBox gives the fact's predicate; raises ``SIM006`` where it gives none."""
+    """The tolerance that the TBox gives the fact's predicate; raises ``SIM006`` if it gives none."""
     tolerance = schema.predicates[fact.predicate].tolerance
     if tolerance is None:
         name = local_name(fact.predicate)

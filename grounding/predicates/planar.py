@@ -31,7 +31,7 @@ _PARALLEL = 1e-9
 def at_target(scene: Scene, fact: Fact, schema: Schema) -> Grounding:
     """Ground ``AtTarget(agent, target)``: their distance is below the tolerance, metres.
 
-    Raises ``SIM001`` for an unknown agent; ``SIM006`` where it does not slide in the plane, where the model holds no
+    Raises ``SIM001`` for an unknown agent; ``SIM006`` if it does not slide in the plane, where the model holds no
     state of the target, or where the predicate has no tolerance.
     """
     agent, target = two_names(fact)
@@ -108,7 +108,7 @@ def clearance(points: NDArray[np.float64], boxes: NDArray[np.float64]) -> NDArra
 
 
 def target_address(model: mujoco.MjModel, target: str, fact: Fact | None = None) -> int:
-    """Where ``data.userdata`` holds the state of ``target``; raises ``SIM006`` where the model has no room for it."""
+    """Where ``data.userdata`` holds the state of ``target``; raises ``SIM006`` if the model has no room for it."""
     found = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_NUMERIC, f"{target}_state")
     address = int(model.numeric_data[model.numeric_adr[found]]) if found >= 0 else -1
     if not 0 <= address <= model.nuserdata - _WIDTH:

@@ -43,7 +43,7 @@ class Grounding:
     """One fact's predicate on one scene, ids resolved: call it for :class:`Evidence`, :meth:`terms` for the breakdown.
 
     ``contact`` is one more condition, the last. ``plan`` says the same conditions in numbers, for who only wants the
-    truth; None where it cannot.
+    truth; None if it cannot.
     """
 
     conditions: Callable[[mujoco.MjData], Sequence[Term]]

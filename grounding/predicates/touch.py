@@ -28,7 +28,7 @@ def touching(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: AR
 def grasped(scene: Scene, fact: Fact, schema: Schema) -> Grounding:  # noqa: ARG001  a factory's signature
     """Ground ``Grasped(object, gripper)``: both fingerpads of the gripper touch it, as in robosuite's ``_check_grasp``.
 
-    The pads are parts of the scene's naming, ``GRIPPER_left_fingerpad`` and its like. Raises ``SIM001`` where the scene
+    The pads are parts of the scene's naming, ``GRIPPER_left_fingerpad`` and its like. Raises ``SIM001`` if the scene
     has no such object or parts.
     """
     name, gripper = two_names(fact)

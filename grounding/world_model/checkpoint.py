@@ -43,7 +43,7 @@ class Card:
 
     architecture: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
-    encoder: str = ""  # identity of the encoder whose features it reads; empty where it reads none
+    encoder: str = ""  # identity of the encoder whose features it reads; empty if it reads none
     facts: tuple[str, ...] = ()  # the predicates that a head was trained for
     data: Mapping[str, Any] = field(default_factory=dict)
     sees: str = ""  # what its training saw: pixels, proprioception, privileged-state
@@ -86,7 +86,7 @@ def save(path: Path, tensors: Mapping[str, torch.Tensor], card: Card) -> None:
     The same weights and the same card make the same bytes.
 
     Raises:
-        OntoError: ``WM005`` where a weight is not finite, ``WM006`` where the file cannot be written.
+        OntoError: ``WM005`` if a weight is not finite, ``WM006`` if the file cannot be written.
     """
     # Copies: safetensors refuses tensors that share memory, as tied weights do.
     ready = {
@@ -106,8 +106,8 @@ def load(path: Path, architecture: str, device: str = "cpu") -> Checkpoint:
     """The checkpoint at ``path``, whose network must be an ``architecture``.
 
     Raises:
-        OntoError: ``WM001`` where there is no file, ``WM002`` where it is damaged or is no checkpoint, ``WM003`` where
-            it holds another architecture, ``WM005`` where a weight is not finite.
+        OntoError: ``WM001`` if there is no file, ``WM002`` if it is damaged or is no checkpoint, ``WM003`` if
+            it holds another architecture, ``WM005`` if a weight is not finite.
     """
     data = _bytes(path)
     values, promised = _about(data, path)
@@ -134,7 +134,7 @@ def restore(
     """The network at ``path``, built by ``build(**card.parameters)`` and filled; frozen, in evaluation mode.
 
     Raises:
-        OntoError: as :func:`load`; ``WM003`` where ``build`` refuses the parameters, ``WM004`` where the weights are
+        OntoError: as :func:`load`; ``WM003`` if ``build`` refuses the parameters, ``WM004`` if the weights are
             those of another network.
     """
     checkpoint = load(path, architecture, device)

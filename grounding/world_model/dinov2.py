@@ -150,8 +150,8 @@ def dinov2(options: Sequence[str] = (), device: str = "cpu") -> FrozenNetwork:
     """The encoder ``dinov2[:patch|:cls][:SIZE]``: normalised last tokens of pictures of SIZE (196) pixels.
 
     Raises:
-        OntoError: ``WM007`` for an unknown option, ``WM008`` where there are no weights or they cannot be read,
-            ``WM004`` where they are those of another network.
+        OntoError: ``WM007`` for an unknown option, ``WM008`` if there are no weights or they cannot be read,
+            ``WM004`` if they are those of another network.
     """
     kind, size = parse_options("dinov2", options, ("patch", "cls"), _SIZES)
     kind, size = kind or "patch", size or _SIZE

@@ -62,7 +62,7 @@ class Encoder(Protocol):
         """Features (N, D), finite, of ``pictures`` (N, S, S, 3); N may be zero.
 
         Raises:
-            OntoError: ``WM009``, where the pictures have another form (:func:`checked`).
+            OntoError: ``WM009`` if the pictures have another form (:func:`checked`).
         """
 
 
@@ -80,7 +80,7 @@ def encoder(name: str = DEFAULT, device: str = "cpu") -> Encoder:
     """The encoder called ``name``, with its weights on ``device``.
 
     Raises:
-        OntoError: ``WM007`` for an unknown name or option, ``WM008`` where its weights cannot be had, ``WM012`` where
+        OntoError: ``WM007`` for an unknown name or option, ``WM008`` if its weights cannot be had, ``WM012`` if
             there is no such device.
     """
     family, *options = name.split(":")
@@ -94,7 +94,7 @@ def encoder(name: str = DEFAULT, device: str = "cpu") -> Encoder:
 
 
 def checked(pictures: NDArray[Any], size: int, name: str) -> Pictures:
-    """``pictures``, if they are uint8 (N, ``size``, ``size``, 3); raises ``WM009`` where they are not."""
+    """``pictures``, if they are uint8 (N, ``size``, ``size``, 3); raises ``WM009`` if they are not."""
     if pictures.dtype != np.uint8 or pictures.ndim != 4 or pictures.shape[1:] != (size, size, 3):
         given = f"{pictures.dtype} {pictures.shape}"
         message = f"`{name}` reads pictures uint8 (N, {size}, {size}, 3), and was given {given}"
@@ -103,7 +103,7 @@ def checked(pictures: NDArray[Any], size: int, name: str) -> Pictures:
 
 
 def checked_features(features: NDArray[Any], width: int) -> Features:
-    """``features``, if they are ``width`` finite numbers a row; raises ``WM010`` where they are not."""
+    """``features``, if they are ``width`` finite numbers a row; raises ``WM010`` if they are not."""
     if features.ndim != 2 or features.shape[1] != width:
         message = f"features of the form (N, {width}) are expected, and {features.shape} were given"
         raise OntoError.of("WM010", message, "they must come from the encoder that the network was trained with")
@@ -119,7 +119,7 @@ def require_encoder(found: Encoder, identity: str, file: Path) -> None:
     """Make sure that ``found`` is the encoder with whose features the checkpoint ``file`` was trained.
 
     Raises:
-        OntoError: ``WM011``, where it is another one, or has other weights.
+        OntoError: ``WM011`` if it is another one, or has other weights.
     """
     if found.identity != identity:
         message = f"it reads features {identity[:12]}, and `{found.name}` gives features {found.identity[:12]}"

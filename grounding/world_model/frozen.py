@@ -48,7 +48,7 @@ class FrozenNetwork:
         return hashlib.sha256(f"{self.name} {checksum(self.network.state_dict())}".encode()).hexdigest()
 
     def encode(self, pictures: Pictures) -> Features:
-        """Features (N, D) of ``pictures`` (N, S, S, 3); raises ``WM009`` where they have another form."""
+        """Features (N, D) of ``pictures`` (N, S, S, 3); raises ``WM009`` if they have another form."""
         given = torch.from_numpy(np.ascontiguousarray(checked(pictures, self.size, self.name)))
         features = np.empty((len(given), int(np.prod(self.shape))), dtype=np.float32)
         step = self.batch if self.device == "cpu" else self.batch * _MORE
@@ -68,7 +68,7 @@ def parse_options(
     """The kind of features (one of ``kinds``) and the size of pictures among ``options``, None where not given.
 
     Raises:
-        OntoError: ``WM007`` where an option is neither of ``kinds`` nor a size of ``sizes``.
+        OntoError: ``WM007`` if an option is neither of ``kinds`` nor a size of ``sizes``.
     """
     kind: str | None = None
     size: int | None = None

@@ -99,7 +99,7 @@ def lite0(options: Sequence[str] = (), device: str = "cpu") -> FrozenNetwork:
     """The encoder ``lite0[:blockN][:SIZE]``: the maps after block N (7) of pictures of SIZE (64) pixels.
 
     Raises:
-        OntoError: ``WM007`` for an unknown option, ``WM008`` where the weights are not installed or cannot be read.
+        OntoError: ``WM007`` for an unknown option, ``WM008`` if the weights are not installed or cannot be read.
     """
     kind, size = parse_options("lite0", options, _KINDS, _SIZES)
     kind, size = kind or _KIND, size or _SIZE

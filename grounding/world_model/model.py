@@ -46,7 +46,7 @@ def load_world_model(folder: Path, device: str = "cpu") -> WorldModel:
 
     Raises:
         OntoError: as :func:`grounding.world_model.checkpoint.restore` and
-            :func:`grounding.world_model.projection.load_projected`; ``WM014`` where a head was trained on other
+            :func:`grounding.world_model.projection.load_projected`; ``WM014`` if a head was trained on other
             dynamics, or dynamics on other features.
     """
     encoder, network, found = load_dynamics(folder, device)

@@ -37,7 +37,7 @@ class Projection:
         """Components (N, K) of ``features`` (N, D).
 
         Raises:
-            OntoError: ``WM010`` where the features are not D numbers each, or are not finite.
+            OntoError: ``WM010`` if the features are not D numbers each, or are not finite.
         """
         found = (checked_features(features, len(self.mean)) - self.mean) @ self.axes
         return found.astype(np.float32, copy=False)
@@ -50,7 +50,7 @@ def fit(features: Features, components: int, *, whitened: bool = False) -> Proje
     variance is nothing but rounding error keep unit length when ``whitened``.
 
     Raises:
-        OntoError: ``WM010`` where there are fewer features, or fewer rows, than ``components`` asks for, or where one
+        OntoError: ``WM010`` if there are fewer features, or fewer rows, than ``components`` asks for, or where one
             is not finite.
     """
     rows, width = features.shape
@@ -151,7 +151,7 @@ def load_projected(path: Path, device: str = "cpu") -> Projected:
 
     Raises:
         OntoError: as :func:`grounding.world_model.checkpoint.load` and :func:`grounding.world_model.encoder.encoder`;
-            ``WM004`` where the arrays do not belong together, ``WM011`` where the encoder has other weights here.
+            ``WM004`` if the arrays do not belong together, ``WM011`` if the encoder has other weights here.
     """
     found = load(path, ARCHITECTURE)
     about, tensors = found.card.parameters, found.tensors

@@ -26,7 +26,7 @@ def read_weights(path: Path) -> dict[str, torch.Tensor]:
     """The tensors of a ``.safetensors`` file, or of a torch file that holds a state dict and nothing else.
 
     Raises:
-        OntoError: ``WM008``, where the file is missing, damaged, or holds anything but finite tensors by name.
+        OntoError: ``WM008`` if the file is missing, damaged, or holds anything but finite tensors by name.
     """
     found: Any
     try:
@@ -51,7 +51,7 @@ def kept_weights(path: Path, folder: Path | None = None) -> Mapping[str, torch.T
     where the folder cannot be written there is none, and the log says so.
 
     Raises:
-        OntoError: ``WM008``, where ``path`` itself cannot be read.
+        OntoError: ``WM008`` if ``path`` itself cannot be read.
     """
     folder = folder or cache_folder()
     try:

@@ -73,7 +73,7 @@ def unbalanced(text: str) -> tuple[int, str] | None:
 
 
 def swallowed(text: str, position: int, which: str) -> int | None:
-    """Where a comment holds the match that the parenthesis ``which`` at ``position`` lacks; None where none does.
+    """Where a comment holds the match that the parenthesis ``which`` at ``position`` lacks; None if none does.
 
     A comment lacks nothing itself: what it holds in pairs is prose. The match of a ``(`` stands behind it.
     """

@@ -19,7 +19,7 @@ __all__ = ["impossible", "refuse_impossible"]
 
 
 def impossible(required: RequiredABox, schema: Schema) -> tuple[Problem, ...]:
-    """Why the goal can never hold, a problem for each of its alternatives; empty where one of them may hold."""
+    """Why the goal can never hold, a problem for each of its alternatives; empty if one of them may hold."""
     found = []
     for way in required.ways:
         problem = _reason([required.facts[index] for index in way], schema, required.source)

@@ -76,7 +76,7 @@ def _with_impossible(abox: RequiredABox, schema: Schema, warnings: tuple[Problem
 
 
 def lift_atom(atom: Atom, scope: Scope, schema: Schema, domain: str, *, polarity: bool) -> Fact | None:
-    """One atom over the names of a task as a goal would have it; None where it does not lift."""
+    """One atom over the names of a task as a goal would have it; None if it does not lift."""
     return _Lifter(schema, scope, domain).fact(atom, polarity=polarity).fact
 
 

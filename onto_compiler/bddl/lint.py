@@ -28,7 +28,7 @@ FILE_WORD = re.compile(r"\.bddl\b|\b\w+_\w*\d\w*\b|\b[A-Z]+(?:_[A-Z]+)+\d*\b|_")
 
 
 def lint(spec: TaskSpec, goal: GoalLiterals | None = None) -> tuple[Problem, ...]:
-    """Warnings on ``spec`` in file order; ``goal`` is what its goal came to, or None where it came to nothing."""
+    """Warnings on ``spec`` in file order; ``goal`` is what its goal came to, or None if it came to nothing."""
     found = [
         *_domain(spec),
         *_language(spec),

@@ -121,7 +121,7 @@ class _Table:
         return number
 
     def terms(self, formula: Formula, polarity: bool) -> list[int] | None:  # noqa: FBT001 - as above
-        """The conjunctions of ``formula``, none of which holds another; None where there are too many."""
+        """The conjunctions of ``formula``, none of which holds another; None if there are too many."""
         match formula:
             case Atom():
                 return [1 << (2 * self.number(formula) + (not polarity))]
@@ -152,7 +152,7 @@ class _Table:
                 return None if terms is None or more is None else self.both(terms, more)
 
     def both(self, left: Sequence[int], right: Sequence[int]) -> list[int] | None:
-        """Each of ``left`` with each of ``right``; None where there are too many."""
+        """Each of ``left`` with each of ``right``; None if there are too many."""
         self.steps += len(left) * len(right)
         if self.steps > MAX_STEPS:
             return None
@@ -169,7 +169,7 @@ class _Table:
         return kept if len(kept) <= MAX_ALTERNATIVES else None
 
     def least(self, terms: set[int]) -> list[int] | None:
-        """Those that hold no other, the smaller first; None where there are too many."""
+        """Those that hold no other, the smaller first; None if there are too many."""
         result: list[int] = []
         for term in sorted(terms, key=lambda term: (term.bit_count(), term)):
             self.steps += len(result)

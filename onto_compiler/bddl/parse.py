@@ -127,7 +127,7 @@ def _lark() -> Lark:
 def _read(text: str, file: str, start: str) -> tuple[Tree[Token] | None, list[Problem], tuple[Group, ...]]:
     """Parse ``text``; at a syntax error, blank the group that it is in and try again.
 
-    Returns the tree of what is left (None where nothing is, or where too much had to be read again), the problems, and
+    Returns the tree of what is left (None if nothing is, or where too much had to be read again), the problems, and
     the groups that were blanked.
     """
     problems: list[Problem] = []

@@ -72,7 +72,7 @@ def check_consistency(model: Model) -> Iterator[Finding]:
 
 
 def _suspects(model: Model, axioms: Axioms, classes: set[NamedNode]) -> set[NamedNode] | None:
-    """The classes that may have no instances; None where nothing clashes at all.
+    """The classes that may have no instances; None if nothing clashes at all.
 
     One instance for each different set of classes that matter is enough to know: whatever clashes at an instance also
     clashes at another that is under no less.

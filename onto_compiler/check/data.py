@@ -38,7 +38,7 @@ def check_data(paths: Sequence[Path | str], shapes: Sequence[Path | str]) -> Rep
     A file that cannot be read is a problem as any other; nothing is then validated.
 
     Raises:
-        OntoError: CLI002, where no shape has a target.
+        OntoError: CLI002 if no shape has a target.
 
     """
     problems: list[Problem] = []

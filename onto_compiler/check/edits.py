@@ -194,4 +194,4 @@ FIXABLE: dict[str, Callable[[_Place], Edit | None]] = {
     "TTL007": _remove_prefix,
     "VOC006": _replace_deprecated,
 }
-"""The repair of each code that has a mechanical one; a repair is None where it would have to guess."""
+"""The repair of each code that has a mechanical one; a repair is None if it would have to guess."""

@@ -14,7 +14,7 @@ Term = NamedNode | BlankNode | Literal
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """A fault of one triple: ``predicate`` and ``object`` are None where the subject (or all its values) is meant.
+    """A fault of one triple: ``predicate`` and ``object`` are None if the subject (or all its values) is meant.
 
     ``message`` and ``hint`` may hold ``{subject}``, ``{object}`` and any name of ``values``; terms are written with the
     prefixes of the file that the finding is then placed in. ``inside`` is the character of the literal ``object`` that

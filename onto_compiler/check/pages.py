@@ -22,7 +22,7 @@ def codes() -> tuple[str, ...]:
 
 
 def page(code: str) -> str | None:
-    """The page of ``code``; None where there is no such code."""
+    """The page of ``code``; None if there is no such code."""
     return (FOLDER / f"{code}.md").read_text(encoding="utf-8") if code in codes() else None
 
 

@@ -53,7 +53,7 @@ def check_dl(model: Model) -> Iterator[Finding]:
 
 
 def read_list(model: Model, head: Term) -> tuple[Term, ...] | None:
-    """The members of an RDF list; None where it is broken."""
+    """The members of an RDF list; None if it is broken."""
     items: list[Term] = []
     seen: set[Term] = set()
     while head != _NIL:

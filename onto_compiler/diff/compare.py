@@ -42,7 +42,7 @@ _NARROWING = {
 class Change:
     """One change of one term; ``old`` and ``new`` are values as Turtle has them."""
 
-    ontology: str  # IRI, or empty where no header claims the term
+    ontology: str  # IRI, or empty if no header claims the term
     term: str  # IRI
     change: str  # "added" | "removed" | "deprecated" | "changed"
     kind: str  # "class", "property", "predicate", "route", ...

@@ -46,7 +46,7 @@ def find_settings(start: Path) -> Settings:
     """Read the table in the nearest ``pyproject.toml`` at or above ``start``.
 
     Raises:
-        OntoError: SCH002, where there is none, or it says something else than is meant above.
+        OntoError: SCH002 if there is none, or it says something else than is meant above.
     """
     file = next((f for f in (folder / "pyproject.toml" for folder in (start, *start.parents)) if f.is_file()), None)
     if file is None:
@@ -93,7 +93,7 @@ def write_text(path: Path, text: str) -> None:
     """Write UTF-8, byte for byte the same on every system; missing folders are made.
 
     Raises:
-        OntoError: SCH004, where the file cannot be written.
+        OntoError: SCH004 if the file cannot be written.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

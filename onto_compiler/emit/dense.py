@@ -29,7 +29,7 @@ def emit(tbox: TBox) -> str:
     route (R: none) and attempt status.
 
     Raises:
-        OntoError: RUN002, where two rules conclude different things of one combination.
+        OntoError: RUN002 if two rules conclude different things of one combination.
     """
     schema = tbox.schema
     tables = compile_tables(tbox.store, schema)

@@ -94,7 +94,7 @@ def _shared(one: Path, other: Path) -> int:
 
 
 def _header_on_disk(path: Path) -> Header | None:
-    """The header of a file; None where it declares no ontology or cannot be read."""
+    """The header of a file; None if it declares no ontology or cannot be read."""
     try:
         state = path.stat()
     except OSError:

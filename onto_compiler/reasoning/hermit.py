@@ -18,10 +18,10 @@ __all__ = ["empty_classes"]
 
 
 def empty_classes(store: Store) -> tuple[str, ...] | None:
-    """The IRIs of the named classes of ``store`` that can have no instance; None where the whole is a contradiction.
+    """The IRIs of the named classes of ``store`` that can have no instance; None if the whole is a contradiction.
 
     Raises:
-        OntoError: CLI003, where owlready2 is not installed; CLI006, where there is no Java, or HermiT refuses.
+        OntoError: CLI003, where owlready2 is not installed; CLI006 if there is no Java, or HermiT refuses.
 
     """
     try:

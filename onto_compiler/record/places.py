@@ -80,14 +80,14 @@ class Subject:
         return sorted({cast("Term", quad.object) for quad in quads}, key=str)
 
     def one(self, predicate: str) -> Term | None:
-        """The one value of ``predicate``, if there is any; raises TRC003 where there are several."""
+        """The one value of ``predicate``, if there is any; raises TRC003 if there are several."""
         found = self.all(predicate)
         if len(found) > 1:
             raise self.fault(f"has {len(found)} values of `{shorten(predicate)}` where one is allowed")
         return found[0] if found else None
 
     def need(self, predicate: str) -> Term:
-        """As :meth:`one`, of a statement that must be there; raises TRC003 where it is not."""
+        """As :meth:`one`, of a statement that must be there; raises TRC003 if it is not."""
         found = self.one(predicate)
         if found is None:
             raise self.fault(f"lacks `{shorten(predicate)}`")
@@ -113,7 +113,7 @@ class Subject:
 
     @property
     def number(self) -> int:
-        """The number that ends the IRI; raises TRC003 where none does."""
+        """The number that ends the IRI; raises TRC003 if none does."""
         digits = self.iri.rpartition("/")[2]
         if not digits.isdecimal():
             raise self.fault("is no numbered part of an episode")

@@ -32,7 +32,7 @@ class Column:
 
     kind: str
     value: Value
-    term: str = ""  # IRI; empty where the vocabulary has no word for it
+    term: str = ""  # IRI; empty if the vocabulary has no word for it
     null: bool = False
     reverse: bool = False  # the term leads from the value to the record
     blank: bool = False  # the empty string stands for none

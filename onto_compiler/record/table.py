@@ -76,11 +76,11 @@ class Field:
     """
 
     name: str
-    term: str  # IRI of the property; empty where the form has terms of its own
+    term: str  # IRI of the property; empty if the form has terms of its own
     form: Form
     missing: Any = REQUIRED
     asked: bool = True
-    older: Callable[[Subject], Any] | None = None  # reads what former versions wrote; None where there is nothing such
+    older: Callable[[Subject], Any] | None = None  # reads what former versions wrote; None if there is nothing such
     key: str | None = None  # the name in JSON: None for the field's own, empty where JSON leaves it out
 
     @property

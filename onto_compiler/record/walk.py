@@ -32,7 +32,7 @@ def read_record(record: Record, subject: Subject) -> Any:  # noqa: ANN401 - of t
     """The record that :func:`write_record` wrote; ``subject.shared["read"]`` has the IRIs of it and its parts.
 
     Raises:
-        OntoError: TRC003, where a statement that the record needs is not there, or a value cannot be used.
+        OntoError: TRC003 if a statement that the record needs is not there, or a value cannot be used.
     """
     subject.shared.setdefault("read", set()).add(subject.iri)
     found: dict[str, Any] = {}

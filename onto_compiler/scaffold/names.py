@@ -38,7 +38,7 @@ def read_name(given: str) -> WordedName:
     """A name from what a person gives: ``served_on``, ``ServedOn``, ``served-on`` and ``"served on"`` are the same.
 
     Raises:
-        OntoError: NEW001, where it holds other characters or starts with a digit.
+        OntoError: NEW001 if it holds other characters or starts with a digit.
 
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9]*(?:[ _-]+[A-Za-z0-9]+)*", given):

@@ -40,7 +40,7 @@ def new_ontology(name: WordedName, options: Options) -> str:
     """A file that holds an ontology header and nothing else.
 
     Raises:
-        OntoError: NEW005, where the given IRI is none that an ontology can have.
+        OntoError: NEW005 if the given IRI is none that an ontology can have.
 
     """
     iri = (options.iri or f"https://example.org/{name.snake}").rstrip("#/")
@@ -56,8 +56,8 @@ def added(kind: str, name: WordedName, path: Path, text: str, options: Options) 
     """``text``, the file at ``path``, with a ``kind`` (predicate, failure or route) called ``name`` at its end.
 
     Raises:
-        OntoError: what is wrong with the file (TTL0nn); NEW002, where the term exists; NEW003, where the file has not
-            one header; NEW005, where an option names a term that does not exist.
+        OntoError: what is wrong with the file (TTL0nn); NEW002 if the term exists; NEW003 if the file has not
+            one header; NEW005 if an option names a term that does not exist.
 
     """
     path = path.resolve()

@@ -151,7 +151,7 @@ class Graph:
         return found
 
     def items(self, head: Term) -> list[Term] | None:
-        """The members of an RDF list, or None where it does not end."""
+        """The members of an RDF list, or None if it does not end."""
         members: list[Term] = []
         seen: set[Term] = set()
         while head != _NIL:

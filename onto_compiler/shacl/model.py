@@ -121,7 +121,7 @@ class PerValue:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Whole:
-    """A constraint on the value nodes together: ``find`` yields a violating value, or None where none is to blame."""
+    """A constraint on the value nodes together: ``find`` yields a violating value, or None if none is to blame."""
 
     component: str
     find: Callable[[Run, Term, Sequence[Term]], Iterable[Term | None]]

@@ -35,7 +35,7 @@ class Path:
 
 
 def read_path(graph: Graph, node: Term, depth: int = _DEPTH) -> Path | None:
-    """The path that ``node`` describes, or None where that is none. A list goes before any other form."""
+    """The path that ``node`` describes, or None if that is none. A list goes before any other form."""
     if isinstance(node, Literal) or node == _NIL or depth == 0:  # `()` is an IRI, and no property either
         return None
     if isinstance(node, NamedNode):

@@ -160,7 +160,7 @@ def is_joined(text: str, name: str) -> bool:
 
 
 def unsupported(text: str, names: Iterable[str]) -> str:
-    """What in a query may not stand beside pre-bound variables (appendix A), as a phrase; empty where nothing does."""
+    """What in a query may not stand beside pre-bound variables (appendix A), as a phrase; empty if nothing does."""
     wanted = set(names)
     read = list(tokens(text))
     for token, following in pairwise([*read, None]):

@@ -73,7 +73,7 @@ class Reader:
     def query(self, node: Term, name: str, path: Path | None = None) -> str | None:
         """The query ``sh:name`` of ``node`` as it is asked: prefixes in front, ``path`` in place of ``$PATH``.
 
-        This is the only way from a shapes graph to a query. None where there is none.
+        This is the only way from a shapes graph to a query. None if there is none.
 
         Raises:
             ShapeFault: the query must not be asked (QRY001 to QRY003), needs a path that ``node`` lacks, or mentions

@@ -41,7 +41,7 @@ def _read(shape: Term, text: str, names: Sequence[str], constraint: Term) -> Que
 
 
 def sparql_check(reader: Reader, shape: Term, path: Path | None, constraint: Term) -> Check | None:
-    """The check of one ``sh:sparql`` constraint; None where it is deactivated.
+    """The check of one ``sh:sparql`` constraint; None if it is deactivated.
 
     Raises:
         ShapeFault: the constraint has no SELECT query, or one that cannot run.

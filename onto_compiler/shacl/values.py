@@ -122,7 +122,7 @@ def less(left: Literal, right: Literal, *, or_equal: bool = False) -> bool:
 
 
 def number(literal: Literal) -> Fraction | float | None:
-    """A numeric literal's value; None where it is no number, or not a number."""
+    """A numeric literal's value; None if it is no number, or not a number."""
     found = _key(literal)
     return found[1] if found is not None and found[0] == "number" else None  # type: ignore[return-value]
 

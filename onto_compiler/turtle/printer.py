@@ -140,7 +140,7 @@ def _open(bracket: Bracket, indent: int) -> list[str]:
 
 
 def _flat(node: Word | Bracket) -> str | None:
-    """A node on one line; None where it has comments, or a line end of its own."""
+    """A node on one line; None if it has comments, or a line end of its own."""
     if isinstance(node, Word):
         return None if "\n" in node.text or "\r" in node.text else node.text
     closing = _CLOSING[node.opening]

@@ -20,7 +20,7 @@ _PAIRS = {"[": "]", "(": ")"}
 
 
 def syntax_problem(path: Path, error: SyntaxError, text: str | None = None) -> Problem:
-    """The fault that stopped Oxigraph in ``path``, as the narrowest code that fits (TTL001 where none does)."""
+    """The fault that stopped Oxigraph in ``path``, as the narrowest code that fits (TTL001 if none does)."""
     text = path.read_bytes().decode("utf-8", errors="replace") if text is None else text
     source = SourceText(str(path), text.removeprefix("\ufeff"))
     message = re.sub(r"^Parser error (at|between) line .*?: ", "", str(error.msg or error))

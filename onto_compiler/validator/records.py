@@ -40,7 +40,7 @@ class Validator:
         """Every violation of every record that ``statements`` describe, each once, graph names aside.
 
         Raises:
-            OntoError: SHP002, where a query cannot run or a shape follows a chain of nodes that is too long.
+            OntoError: SHP002 if a query cannot run or a shape follows a chain of nodes that is too long.
 
         """
         return tuple(dict.fromkeys(validate_graph(Overlay(self.vocabulary, statements), self.shapes)))
@@ -68,7 +68,7 @@ def compile_validator(
     """Compile the shapes that ``vocabulary`` holds, or those of ``shapes``. As for ``faults``, see ``compile_graph``.
 
     Raises:
-        OntoError: SHP002, where a shape cannot run and no list is given.
+        OntoError: SHP002 if a shape cannot run and no list is given.
 
     """
     known = Graph(vocabulary)
@@ -80,7 +80,7 @@ def record_validator(ontology: Sequence[Path | str] = ()) -> Validator:
     """The shapes of the shipped ontology and of a person's own Turtle, compiled; once for the shipped one alone.
 
     Raises:
-        OntoError: as :func:`onto_compiler.sources.load_store`; SHP002, where a shape cannot run.
+        OntoError: as :func:`onto_compiler.sources.load_store`; SHP002 if a shape cannot run.
     """
     # A person's files may change while the process lives, the shipped ones do not.
     return _read(ontology) if ontology else _shipped()

@@ -56,7 +56,7 @@ def load(name: str, points: dict[str, EntryPoint]) -> Command:
     """Import the command called ``name``.
 
     Raises:
-        OntoError: CLI001, where no installed package registers such a command.
+        OntoError: CLI001 if no installed package registers such a command.
 
     """
     if name not in points:

@@ -24,7 +24,7 @@ _OURS = {"benchmarks", "grounding", "onto_compiler", "ontology", "runtime"}
 
 
 def told(error: Exception) -> OntoError | None:
-    """``error`` at the line of the registered code that raised it or passed it on; None where it is our own fault."""
+    """``error`` at the line of the registered code that raised it or passed it on; None if it is our own fault."""
     registered = [
         (point, kind) for group, kind in _KINDS.items() for point in points(group) if _top(point.module) not in _OURS
     ]

@@ -61,7 +61,7 @@ def start_of(state: int | str | Path | ArrayLike) -> tuple[int, NDArray[np.float
     """The number of an official initial state, and None; or :data:`GIVEN` and a flat state, of a file or as it is.
 
     Raises:
-        OntoError: ``CLI005``, where there is no plain array of numbers.
+        OntoError: ``CLI005`` if there is no plain array of numbers.
     """
     if isinstance(state, (int, np.integer)):
         return int(state), None

@@ -27,7 +27,7 @@ class _FactEvidence:
     """A required fact and the evidence for it.
 
     ``fact`` is the fact in words, ``status`` "satisfied", "absent", "explicitly false" or "margin violated". ``margin``
-    is in ``unit``, positive where satisfied and NaN where none is defined; ``limit`` is the term that decides it.
+    is in ``unit``, positive where satisfied and NaN if none is defined; ``limit`` is the term that decides it.
     """
 
     fact: str
@@ -42,7 +42,7 @@ class _FactEvidence:
 
     @classmethod
     def of(cls, row: Mapping[str, Any], margin: float) -> Self:
-        """The fact of a ``row`` of JSON, whose margin is None where it is not defined."""
+        """The fact of a ``row`` of JSON, whose margin is None if it is not defined."""
         return cls(**{**row, "arguments": tuple(row["arguments"]), "margin": margin})
 
 
@@ -56,7 +56,7 @@ class GroundedFact(_FactEvidence):
 
 @dataclass(frozen=True, slots=True)
 class GroundedTask:
-    """The facts of goal and premise in one state, and the native verdict, None where the ``world`` cannot judge.
+    """The facts of goal and premise in one state, and the native verdict, None if the ``world`` cannot judge.
 
     The state was first settled for ``settle_steps`` without motion. ``fixtures`` is the source of the fixtures' poses;
     where it is None, ``uncertain`` lists the facts whose verdict depends on these poses.
@@ -160,7 +160,7 @@ def diagnose(
     """Diagnose the unmet facts of ``task`` in the initial ``state``; the arguments are those of :func:`ground`.
 
     Raises:
-        OntoError: as :func:`ground`, and ``RUN003`` where no rule matches a failure.
+        OntoError: as :func:`ground`, and ``RUN003`` if no rule matches a failure.
     """
     with open_task(task, ontology, seed, possible=True, model=model, imports=imports) as runner:
         start, given = start_of(state)
@@ -208,7 +208,7 @@ def repair(
     several.
 
     Raises:
-        OntoError: as :func:`ground`; ``SIM018`` where the native judge does not know a predicate of the goal.
+        OntoError: as :func:`ground`; ``SIM018`` if the native judge does not know a predicate of the goal.
     """
     with open_task(
         task, ontology, seed, budget, judge, proposers=proposers, possible=True, model=model, imports=imports

@@ -169,7 +169,7 @@ class _Run:
         return "unresolved" if len(self.attempts) >= self.loop.budget else None
 
     def _accepted(self, verification: Verification) -> tuple[str, Verification] | None:
-        """How the run ends where the native predicate accepts the state as it is; None where that has to settle."""
+        """How the run ends where the native predicate accepts the state as it is; None if that has to settle."""
         if _holds(verification):
             return "verified", verification
         if self.lost is not None or self.attempts:

@@ -72,7 +72,7 @@ def surplus(facts: Sequence[Fact], observation: Observation) -> NDArray[np.float
 
 
 def lack(facts: Sequence[Fact], observation: Observation) -> NDArray[np.float64]:
-    """How much margin each fact lacks: 0 where it is satisfied, NaN where it is not and has no margin; shape (n,)."""
+    """How much margin each fact lacks: 0 where it is satisfied, NaN if it is not and has no margin; shape (n,)."""
     missing = np.maximum(-surplus(facts, observation), 0.0)
     return np.where(satisfied(facts, observation), 0.0, missing)
 
@@ -123,7 +123,7 @@ def diagnose(
     """One record for each unsatisfied fact, in the order of the required ABox; ``only`` are the indices to look at.
 
     Raises:
-        OntoError: RUN003, where no diagnosis rule speaks of an unsatisfied fact.
+        OntoError: RUN003 if no diagnosis rule speaks of an unsatisfied fact.
     """
     found = []
     for index, code in enumerate(evidence_status(facts, observation)):

@@ -51,7 +51,7 @@ class GoalMonitor:
         self._by_truth = plain and not required.alternatives
 
     def unmet(self, data: mujoco.MjData) -> tuple[Unmet, ...]:
-        """The unmet facts of the nearest alternative in ``data``, a forwarded state; empty where the goal holds.
+        """The unmet facts of the nearest alternative in ``data``, a forwarded state; empty if the goal holds.
 
         Raises ``SIM003``, ``SIM004``, ``RUN003`` as grounding and diagnosis do.
         """

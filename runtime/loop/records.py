@@ -43,7 +43,7 @@ class Diagnosis:
     failure: str  # failure class IRI
     status: str  # evidence status IRI: absent, explicitly false or margin violated
     truth: bool  # as observed
-    margin: float  # NaN where none is defined
+    margin: float  # NaN if none is defined
     limit: str  # the term of the margin that decides it
     source: str  # "sim" | "pred"
     rule: str  # IRI of the rule that fired
@@ -67,7 +67,7 @@ class RouteDecision:
     rule: str
     attempt_status: str = ""  # IRI: first, repeat or exhausted
     previous: str | None = None  # IRI of the route that was rejected or exhausted before
-    requested: str = ""  # the level at which the loop may act; empty where a trace does not say
+    requested: str = ""  # the level at which the loop may act; empty if a trace does not say
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,7 +24,7 @@ def load_proposers(schema: Schema, chosen: Mapping[str, str] | None = None) -> d
     """Build the proposer of each route of ``schema``, by the route's notation; ``chosen`` has names by route.
 
     Raises:
-        OntoError: RUN010, where an entry point cannot be loaded; RUN005, RUN006 or RUN008 as
+        OntoError: RUN010 if an entry point cannot be loaded; RUN005, RUN006 or RUN008 as
             :func:`runtime.loop.routed.serving`.
 
     """

@@ -41,7 +41,7 @@ def serving(
 
     Raises:
         OntoError: ``code``, where an entry point cannot be loaded; ``what`` it is ("skill") stands in the sentence.
-            RUN005, where several serve a route and none is chosen; RUN006, where two bear one name; RUN008, where a
+            RUN005 if several serve a route and none is chosen; RUN006 if two bear one name; RUN008 if a
             choice names a route or a name that there is not.
 
     """

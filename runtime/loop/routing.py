@@ -24,7 +24,7 @@ def route(
     """The route of ``level`` for ``diagnosis``, given the attempt ``status`` and the route tried ``previous``ly.
 
     Raises:
-        OntoError: RUN004, where no routing rule speaks of the combination.
+        OntoError: RUN004 if no routing rule speaks of the combination.
     """
     decision = route_or_none(diagnosis, knowledge, status, previous, level=level)
     if decision is None:
@@ -67,7 +67,7 @@ def route_or_none(
     *,
     level: str = "state",
 ) -> RouteDecision | None:
-    """As :func:`route`, and None where no rule speaks of the combination: so ends a route that names no successor."""
+    """As :func:`route`, and None if no rule speaks of the combination: so ends a route that names no successor."""
     entry = knowledge.tables.routing.get((diagnosis.fact.predicate, diagnosis.failure, status, previous, level))
     if entry is None:
         return None

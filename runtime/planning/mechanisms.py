@@ -1,7 +1,7 @@
 """What a typed failure of a plan is answered with: one mechanism for each plan route that the ontology declares.
 
 Each spends about one budget of candidates (a longer horizon two, being imagined twice as far) and returns its best, or
-None where it has none to offer. The best plan so far competes within each, so that none returns a worse one.
+None if it has none to offer. The best plan so far competes within each, so that none returns a worse one.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def longer_horizon(
 def waypoint(
     question: PlanningProblem, best: Candidate, diagnosis: Diagnosis, random: torch.Generator
 ) -> Candidate | None:
-    """Go to the middle of the way through the free cells first, then on; None where no cell lies between."""
+    """Go to the middle of the way through the free cells first, then on; None if no cell lies between."""
     del diagnosis
     if question.between is None:
         return None

@@ -25,10 +25,10 @@ _JITTER = 0.01
 
 @dataclass(frozen=True, eq=False)
 class PlanningProblem:
-    """One plan to be made; raises ``WM010`` where a number of ``history`` or ``goal`` is not finite.
+    """One plan to be made; raises ``WM010`` if a number of ``history`` or ``goal`` is not finite.
 
     The longest plan that a mechanism may make has ``longest`` macro steps. ``between`` (2,): the middle of the way that
-    the task's layout leaves from start to goal, None where it is not known or nothing lies between.
+    the task's layout leaves from start to goal, None if it is not known or nothing lies between.
     """
 
     dynamics: Dynamics

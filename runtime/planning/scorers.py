@@ -60,7 +60,7 @@ class Weights:
 
     @classmethod
     def of(cls, score: Score) -> Weights:
-        """The weights that ``score`` declares; raises ``PMZ009`` where it weighs a field that no scorer computes."""
+        """The weights that ``score`` declares; raises ``PMZ009`` if it weighs a field that no scorer computes."""
         found: dict[str, Any] = {name: {} for name in _OF_FACTS.values()}
         for term in score.terms:
             name = local_name(term.field)

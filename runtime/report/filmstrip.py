@@ -135,7 +135,7 @@ def write_film(
     """Draw ``shown`` with ``shoot``, which gives a JPEG of the state at a step, into an HTML page or a picture.
 
     Raises:
-        OntoError: TRC001, where ``path`` cannot be written.
+        OntoError: TRC001 if ``path`` cannot be written.
     """
     frames = [Frame(moment, shoot(moment.step)) for moment in shown]
     suffix = path.suffix.lower()

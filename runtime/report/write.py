@@ -36,7 +36,7 @@ def write_report(
     ``pictures`` is empty or holds one pair of JPEGs per episode, before and after.
 
     Raises:
-        OntoError: TRC001, where ``path`` cannot be written.
+        OntoError: TRC001 if ``path`` cannot be written.
     """
     target = Path(path)
     try:

@@ -47,7 +47,7 @@ class SeenFact:
 
     @property
     def margin(self) -> float:
-        """In the unit of the fact; NaN where none is defined."""
+        """In the unit of the fact; NaN if none is defined."""
         return float(self.observation.margin[self.index])
 
     @property

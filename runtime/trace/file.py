@@ -21,7 +21,7 @@ _GRAPHS = (".trig", ".nq", ".jsonld")
 
 
 def require_format(path: Path) -> None:
-    """Raises ``TRC001`` where the ending of ``path`` names no format of a trace that has graphs."""
+    """Raises ``TRC001`` if the ending of ``path`` names no format of a trace that has graphs."""
     if _ending(path) not in _GRAPHS:
         hint = f"end its name in {', '.join(_GRAPHS)}, and in .gz where it is to be packed"
         raise OntoError.of("TRC001", f"`{path}` is no name of a trace", hint, str(path))
@@ -40,7 +40,7 @@ def write_trace(
     Of two episodes with the same names that came out differently the second is the next trial.
 
     Raises:
-        OntoError: as :func:`require_format`; ``TRC001`` where it cannot be written; a shape's code where a record does
+        OntoError: as :func:`require_format`; ``TRC001`` if it cannot be written; a shape's code where a record does
             not conform, and then nothing is written.
     """
     require_format(path)

@@ -36,7 +36,7 @@ def find_episode(wanted: str, iris: Sequence[str]) -> str:
     """The one of ``iris`` that ``wanted`` names; numbers count from 1 in the order of ``onto trace list``.
 
     Raises:
-        OntoError: TRC006, where none or several fit.
+        OntoError: TRC006 if none or several fit.
     """
     if not iris:
         raise OntoError.of("TRC006", "the trace holds no episode", "record some with `onto demo`")

@@ -17,7 +17,7 @@ __all__ = ["from_json", "pairs", "vector"]
 
 
 def from_json(term: str, of: Callable[[Any], Any]) -> Callable[[Subject], Any]:
-    """A reader of the JSON string that is the value of ``term``; it finds None where there is no such string."""
+    """A reader of the JSON string that is the value of ``term``; it finds None if there is no such string."""
 
     def older(subject: Subject) -> Any:  # noqa: ANN401 - whatever ``of`` makes
         found = [

@@ -32,7 +32,7 @@ def read_episode(store: Store, iri: str) -> Episode:
     """The episode ``iri`` as it was recorded, also by former versions.
 
     Raises:
-        OntoError: TRC003, where the trace lacks a statement that the record needs, or holds an unusable value; TRC007,
+        OntoError: TRC003 if the trace lacks a statement that the record needs, or holds an unusable value; TRC007,
             where it was written in another vocabulary, of which a part would be lost.
     """
     about = Subject(store, iri)

@@ -36,7 +36,7 @@ class Reasons:
     maps: dict[Path, SourceMap] = field(default_factory=dict, repr=False)
 
     def rule(self, iri: str) -> dict[str, Any]:
-        """What a rule is called and says, and the file and line where it is written; None where that is not known."""
+        """What a rule is called and says, and the file and line where it is written; None if that is not known."""
         file, line, definition = None, None, None
         path = next(iter(self._files(iri)), None)
         if path is not None:

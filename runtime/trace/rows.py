@@ -75,7 +75,7 @@ def routes_of(episode: Episode, index: int) -> tuple[str, ...]:
 
 
 def margin_after(episode: Episode, index: int) -> float:
-    """The margin of required fact ``index`` in the last observation; NaN where none is defined."""
+    """The margin of required fact ``index`` in the last observation; NaN if none is defined."""
     return float(episode.final.margin[index])
 
 

@@ -39,7 +39,7 @@ class NamedQuery:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The rows that a query found, as RDF terms; None where a variable is unbound."""
+    """The rows that a query found, as RDF terms; None if a variable is unbound."""
 
     name: str
     question: str
@@ -56,7 +56,7 @@ def ask(store: Store, query: str, *, name: str = "", file: str = "") -> Answer:
     """Run ``query`` over all graphs of ``store`` together; our prefixes need no declaration.
 
     Raises:
-        OntoError: TRC004, where the query is no SPARQL or cannot be evaluated; QRY001 to QRY003, where it would reach
+        OntoError: TRC004 if the query is no SPARQL or cannot be evaluated; QRY001 to QRY003 if it would reach
             the network, change the trace, or ask for graphs that are not in it.
     """
     graphs = {graph.value for graph in store.named_graphs()}
@@ -117,7 +117,7 @@ def _word(query: str, line: int, column: int) -> str:
 
 
 def _second_opinion(query: str) -> tuple[int, int, str] | None:
-    """Where and why rdflib's parser rejects ``query``; None where it does not."""
+    """Where and why rdflib's parser rejects ``query``; None if it does not."""
     from pyparsing import ParseException  # noqa: PLC0415 - only a faulty query needs it
     from rdflib.plugins.sparql.parser import parseQuery  # noqa: PLC0415
 
@@ -143,7 +143,7 @@ def named_query(name: str) -> NamedQuery:
     """The competency query called ``name``.
 
     Raises:
-        OntoError: TRC005, where there is none.
+        OntoError: TRC005 if there is none.
     """
     known = named_queries()
     if name not in known:

@@ -57,7 +57,7 @@ class TraceStore(Closing):
         """Open or create the store in the folder ``path``; every episode that is added gets ``tags`` beside its own.
 
         Raises:
-            OntoError: TRC001, where the folder cannot be written or another process has it open; SHP002, where a shape
+            OntoError: TRC001 if the folder cannot be written or another process has it open; SHP002 if a shape
                 in ``ontology`` cannot run.
         """
         self.path, self.schema, self.run, self.tags = Path(path), schema, run, tuple(tags)
@@ -98,7 +98,7 @@ class TraceStore(Closing):
         differently under the same names stands beside it, as the next trial.
 
         Raises:
-            OntoError: TRC001, where the folder can no longer be written; a shape's code (ABX001 to ABX004, SHP001)
+            OntoError: TRC001 if the folder can no longer be written; a shape's code (ABX001 to ABX004, SHP001)
                 where a record does not conform, and then nothing is written.
         """
         iri, quads = admit(self._store, self._validator, tagged(episode, self.tags), self.schema, self.run)
@@ -124,7 +124,7 @@ class TraceStore(Closing):
         """Write every run as TriG: the same episodes give the same bytes.
 
         Raises:
-            OntoError: TRC001, where ``path`` cannot be written.
+            OntoError: TRC001 if ``path`` cannot be written.
         """
         target = Path(path)
         try:
@@ -161,7 +161,7 @@ def open_trace(path: Path | str, *, ontology: Sequence[Path | str] = ()) -> Trac
     A folder is read from a copy, as another process may be writing it.
 
     Raises:
-        OntoError: TRC002, where there is no trace; TRC003, where it cannot be parsed.
+        OntoError: TRC002 if there is no trace; TRC003 if it cannot be parsed.
     """
     source = Path(path)
     if not source.exists():
@@ -178,7 +178,7 @@ def newest_trace(root: Path | str = "out") -> Path:
     """The trace below ``root`` that was written last.
 
     Raises:
-        OntoError: TRC002, where there is none.
+        OntoError: TRC002 if there is none.
     """
     base = Path(root)
     stores = [marker.parent for marker in base.rglob("CURRENT")]

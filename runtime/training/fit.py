@@ -48,8 +48,8 @@ def fit(
     ``source`` identifies the data of the loss. Checkpoints from another source, seed or schedule are ignored.
 
     Raises:
-        OntoError: ``WM005`` where the loss is no longer finite, ``WM006`` where ``checkpoint`` cannot be written,
-            ``WM002`` and ``WM004`` where it is damaged or of another network.
+        OntoError: ``WM005`` if the loss is no longer finite, ``WM006`` if ``checkpoint`` cannot be written,
+            ``WM002`` and ``WM004`` if it is damaged or of another network.
     """
     trained = {name: weight for name, weight in module.named_parameters() if weight.requires_grad}
     optimiser = torch.optim.AdamW(trained.values(), lr=schedule.rate, weight_decay=schedule.decay, fused=True)

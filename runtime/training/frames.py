@@ -138,7 +138,7 @@ def _done(note: Path, key: str) -> int:
 
 
 def _opened(path: Path, shape: tuple[int, int]) -> np.memmap[Any, np.dtype[Any]] | None:
-    """The array in ``path``; None where it is incomplete or of another shape."""
+    """The array in ``path``; None if it is incomplete or of another shape."""
     try:
         size = path.stat().st_size  # opened to be written to, a file that was cut off grows to its length
         held = np.lib.format.open_memmap(path, mode="r+")

@@ -66,8 +66,8 @@ class TaskEnvironment(Environment, Protocol):
     def start(self, index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
         """Go to initial state ``index``, or to a flat ``state`` (1 + nq + nv: time, qpos, qvel), and let it settle.
 
-        Gives the number of control steps, see :func:`settling`. Raises ``SIM017`` where there is no such initial state,
-        ``SIM003``, ``SIM004`` for a state that is none of this scene, ``SIM019`` where it diverges.
+        Gives the number of control steps, see :func:`settling`. Raises ``SIM017`` if there is no such initial state,
+        ``SIM003``, ``SIM004`` for a state that is none of this scene, ``SIM019`` if it diverges.
         """
         ...
 
@@ -144,7 +144,7 @@ class StateEnvironment(ABC):
 
     @abstractmethod
     def verify_natively(self) -> Verification:
-        """Ask the simulator's own judge; raises ``SIM018`` where it cannot judge the goal."""
+        """Ask the simulator's own judge; raises ``SIM018`` if it cannot judge the goal."""
 
     def verify(self) -> Verification:
         """Ask the judge; raises as :meth:`verify_natively` where that is the simulator."""

@@ -36,7 +36,7 @@ class EpisodeRunner:
     environment: TaskEnvironment
     knowledge: Knowledge
     loop: CorrectionLoop
-    placed: str = ""  # who says where the fixtures stand: "seed 3", the name of a model file; empty where nobody does
+    placed: str = ""  # who says where the fixtures stand: "seed 3", the name of a model file; empty if nobody does
 
     @classmethod
     def open(
@@ -93,7 +93,7 @@ class EpisodeRunner:
 
         ``given`` is the digest of a state of your own.
 
-        Raises ``RUN004`` where the world's failures are corrected in plans.
+        Raises ``RUN004`` if the world's failures are corrected in plans.
         """
         if self.world.level != "state":
             title, level = self.world.title, self.world.level
@@ -136,7 +136,7 @@ class EpisodeRunner:
         """Write the initial state and let it settle; gives the number of control steps, as the environment does.
 
         Raises:
-            OntoError: ``SIM017``, where the task has no such initial state; ``SIM019``, where it diverges.
+            OntoError: ``SIM017`` if the task has no such initial state; ``SIM019`` if it diverges.
         """
         return self.environment.start(state_index, state, settle=settle)
 

@@ -50,7 +50,7 @@ class Freedom:
 def poses_in(mjcf: str, model: mujoco.MjModel, file: str = "") -> FixturePoses:
     """The poses of the fixtures in ``mjcf``, and of everything else in ``model``; no asset is opened.
 
-    A pose that ``mjcf`` gives to the precision of its digits stays as ``model`` has it. Raises ``SIM023`` where
+    A pose that ``mjcf`` gives to the precision of its digits stays as ``model`` has it. Raises ``SIM023`` if
     ``mjcf`` cannot be read, or lacks a fixture or object of ``model``; ``file`` is named then.
     """
     other = _skeleton(mjcf, file)

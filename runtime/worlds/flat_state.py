@@ -28,8 +28,8 @@ class FlatStates:
     def checked(self, state: ArrayLike) -> NDArray[np.float64]:
         """``state`` as an array (1 + nq + nv,) of its own.
 
-        Raises ``SIM004`` where it is another scene's: of another length, or with numbers in the place of a free body's
-        quaternion that are none; ``SIM003`` where it is not finite.
+        Raises ``SIM004`` if it is another scene's: of another length, or with numbers in the place of a free body's
+        quaternion that are none; ``SIM003`` if it is not finite.
         """
         flat = np.array(state, dtype=np.float64).ravel()
         if flat.size != self.size:
@@ -49,8 +49,8 @@ class FlatStates:
 def write_qpos(model: mujoco.MjModel, data: mujoco.MjData, qpos: ArrayLike, task: str, *, still: bool = True) -> None:
     """Write ``qpos`` (nq,) to ``data`` and recompute what follows from it; ``task`` names the scene in messages.
 
-    ``still`` zeroes the velocity of the joints that it changes. Raises ``SIM004`` where it is another scene's, and
-    ``SIM003`` where it is not finite.
+    ``still`` zeroes the velocity of the joints that it changes. Raises ``SIM004`` if it is another scene's, and
+    ``SIM003`` if it is not finite.
     """
     new = np.array(qpos, dtype=np.float64).ravel()
     if new.size != model.nq:

@@ -65,7 +65,7 @@ def identity(model: mujoco.MjModel) -> str:
 
 
 def check_scene(saved: Snapshot, model: mujoco.MjModel, scene: str) -> None:
-    """Raise ``SIM004`` where ``saved`` is not of ``model``, whose :func:`identity` is ``scene``."""
+    """Raise ``SIM004`` if ``saved`` is not of ``model``, whose :func:`identity` is ``scene``."""
     sizes = saved.integration.size, saved.body_pos.shape, saved.body_quat.shape
     if saved.scene != scene or sizes != (mujoco.mj_stateSize(model, FULL), model.body_pos.shape, model.body_quat.shape):
         raise OntoError.of(

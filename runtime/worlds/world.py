@@ -67,7 +67,7 @@ class World(Protocol):
     """The BDDL domains of its task files; :data:`ANY_DOMAIN` for those that no world names."""
 
     def suites(self) -> Sequence[str]:
-        """Its suites, in their official order; raises ``SIM010`` where the simulator is not installed."""
+        """Its suites, in their official order; raises ``SIM010`` if the simulator is not installed."""
         ...
 
     def tasks(self, suite: str) -> Sequence[TaskRef]:
@@ -96,12 +96,12 @@ class World(Protocol):
     def proposers(self, schema: Schema, chosen: Mapping[str, str] | None = None) -> Mapping[str, Proposer]:
         """What proposes states, by the notation of the route that it serves; ``chosen`` has names by route.
 
-        Raises ``RUN010``, and ``RUN005``, ``RUN006`` or ``RUN008`` where the choice is not clear.
+        Raises ``RUN010``, and ``RUN005``, ``RUN006`` or ``RUN008`` if the choice is not clear.
         """
         ...
 
     def skills(self, schema: Schema) -> Mapping[str, Any]:
-        """What acts, by the local name of its route; empty where the world has no skills. Raises ``RUN011``."""
+        """What acts, by the local name of its route; empty if the world has no skills. Raises ``RUN011``."""
         ...
 
 
@@ -110,7 +110,7 @@ def named_task(text: str) -> tuple[World, TaskRef]:
 
     Raises:
         OntoError: ``CLI004`` for a text of neither form, ``SIM011`` for an unknown suite, ``SIM012`` for an unknown
-            task, ``RUN015`` where the world that is asked for cannot be loaded.
+            task, ``RUN015`` if the world that is asked for cannot be loaded.
     """
     ref = task_named(text, suites, lambda suite: world_of(suite).tasks(suite))
     return (world_of(ref.suite) if ref.suite else _world_of_file(ref.bddl)), ref

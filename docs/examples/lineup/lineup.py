@@ -36,7 +36,7 @@ class LineUp:
         """Every proposer is given the schema, and this one needs nothing of it."""
 
     def propose(self, request: Request) -> Proposal | None:
-        """Candidate number ``request.candidate``, or None where there are no more."""
+        """Candidate number ``request.candidate``, or None if there are no more."""
         if request.candidate >= len(STEPS):
             return None
         scene, names = request.scene, request.diagnosis.fact.native.arguments

@@ -33,7 +33,7 @@ class Checked:
         return problem.severity in {"error", self.fail_on}
 
     def text(self, file: str) -> str | None:
-        """A file's text, read once; None where it cannot be read."""
+        """A file's text, read once; None if it cannot be read."""
         if file not in self.texts:
             try:
                 self.texts[file] = Path(file).read_text(encoding="utf-8-sig")

@@ -32,7 +32,7 @@ class Geodesic:
         self._between = between
 
     def distance(self, begin: NDArray[np.floating], end: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Metres from ``begin`` (N, 2 or more) to ``end`` (N, 2 or more) or one place; infinite where there is no way.
+        """Metres from ``begin`` (N, 2 or more) to ``end`` (N, 2 or more) or one place; infinite if there is no way.
 
         A place within a grown wall sees only what it would see from there in a straight line, or else infinity.
         """

@@ -95,7 +95,7 @@ class MazeFacts:
 
 
 def _margin(fact: Fact, schema: Schema) -> Margin:
-    """The margin of ``fact`` from states, goals (..., 4) and walls (W, 4); raises ``SIM005`` where there is none."""
+    """The margin of ``fact`` from states, goals (..., 4) and walls (W, 4); raises ``SIM005`` if there is none."""
     allowed = schema.predicates[fact.predicate].tolerance or 0.0
     margins: dict[str, Margin] = {
         "at_target": lambda here, there, _: allowed - apart(there[..., :2], here[..., :2]),

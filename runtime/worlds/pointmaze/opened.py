@@ -82,7 +82,7 @@ class OpenMaze(StateEnvironment):
     def start(self, index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
         """Trial ``index``; or a flat ``state`` (5,: time, x, y, vx, vy) towards the goal of trial 0.
 
-        Nothing settles there, whatever ``settle`` asks for. Raises ``SIM017`` where there is no such trial,
+        Nothing settles there, whatever ``settle`` asks for. Raises ``SIM017`` if there is no such trial,
         ``SIM003``, ``SIM004`` for what is no state.
         """
         del settle

@@ -75,7 +75,7 @@ def train(
     An interrupted stage resumes where it stopped.
 
     Raises:
-        OntoError: ``WM001`` ff. where an earlier stage's checkpoint is missing or damaged, ``WM006`` where the folder
+        OntoError: ``WM001`` ff. where an earlier stage's checkpoint is missing or damaged, ``WM006`` if the folder
             cannot be written.
     """
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}

@@ -57,7 +57,7 @@ class Trajectories:
     source: TrajectoryConfig
 
     def save(self, path: Path) -> None:
-        """Write a compressed ``.npz``; raises ``OntoError`` PMZ006 where ``path`` cannot be written."""
+        """Write a compressed ``.npz``; raises ``OntoError`` PMZ006 if ``path`` cannot be written."""
         card = json.dumps({**asdict(self.source), "mujoco": mujoco.__version__})
         try:
             with path.open("wb") as file:

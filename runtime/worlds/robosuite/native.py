@@ -35,7 +35,7 @@ class RobosuiteTask:
     """The environment that the problem of a task file names. Its model is compiled once; a reset only writes states."""
 
     def __init__(self, spec: TaskSpec, seed: int) -> None:
-        """Build the environment in some seconds, in its initial state 0; ``SIM010``, ``SIM016`` where it cannot be."""
+        """Build the environment in some seconds, in its initial state 0; ``SIM010``, ``SIM016`` if it cannot be."""
         self.spec, self.seed = spec, seed
         before_robosuite()
         with quiet():
@@ -91,7 +91,7 @@ class RobosuiteTask:
         )
 
     def reset(self, index: int) -> None:
-        """Draw initial state ``index``; raises ``SIM017`` where there is no such."""
+        """Draw initial state ``index``; raises ``SIM017`` if there is no such."""
         if not 0 <= index < INITIAL_STATES:
             message = f"`{self.spec.problem}` has no initial state {index}"
             raise OntoError.of("SIM017", message, f"it has {INITIAL_STATES}, from 0")
@@ -140,7 +140,7 @@ class RobosuiteTask:
         return snapshot.take(self.env)
 
     def restore(self, saved: Snapshot) -> None:
-        """Go back to ``saved``; raises ``SIM004`` where it is another scene's."""
+        """Go back to ``saved``; raises ``SIM004`` if it is another scene's."""
         snapshot.put(self.env, saved)
         self._clear_warnings()
 

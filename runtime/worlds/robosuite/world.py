@@ -34,7 +34,7 @@ class Robosuite(SingleSuite):
     task_names = ("Lift", "Stack", "PickPlaceCan", "Door")
 
     def suites(self) -> Sequence[str]:
-        """One suite; raises ``SIM010`` where robosuite is not installed."""
+        """One suite; raises ``SIM010`` if robosuite is not installed."""
         if importlib.util.find_spec("robosuite") is None:
             raise OntoError.of("SIM010", "robosuite is not installed", 'pip install "onto-evwm[sim]"')
         return super().suites()

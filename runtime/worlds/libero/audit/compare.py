@@ -17,7 +17,7 @@ class AuditChange:
     """One kind of failure of one subject, in the states that both audits have of a task.
 
     ``new`` and ``gone`` are the states in which only the second, or only the first, has the failure. ``before`` and
-    ``after`` are the median margins over those states, in ``unit``; None where one of the two does not define it.
+    ``after`` are the median margins over those states, in ``unit``; None if one of the two does not define it.
     """
 
     task: str

@@ -34,7 +34,7 @@ def run_audit(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int, tick: Callabl
     """Audit ``refs`` in their order, with at most ``jobs`` processes; ``tick`` is told of each as it is done.
 
     Raises:
-        OntoError: TTL and ``RUN020``, where the ontology cannot be used. A task that cannot be audited is a finding.
+        OntoError: TTL and ``RUN020`` if the ontology cannot be used. A task that cannot be audited is a finding.
     """
     kinds = kinds_of(plan.ontology)
     load_knowledge(*plan.ontology)

@@ -26,7 +26,7 @@ _RUN = "import sys; from runtime.cli import main; sys.exit(main())"
 def run_elsewhere(python: str, arguments: Sequence[str], *, quiet: bool = False) -> int:
     """Run ``onto`` with ``arguments`` in the environment of the interpreter ``python``; gives its exit code.
 
-    What it prints, it prints to our own streams, or with ``quiet`` to none. Raises ``RUN021`` where ``python`` does not
+    What it prints, it prints to our own streams, or with ``quiet`` to none. Raises ``RUN021`` if ``python`` does not
     start, or where its environment lacks the version of onto-evwm that runs here.
     """
     ours = version_of("onto-evwm")

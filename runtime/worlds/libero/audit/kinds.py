@@ -26,7 +26,7 @@ SELECT ?kind ?name ?measure ?most ?unit ?symbol WHERE {
 
 @dataclass(frozen=True, slots=True)
 class Kind:
-    """A class below ``audit:PremiseFailure``. ``most`` is in ``unit``; None where the measure itself decides."""
+    """A class below ``audit:PremiseFailure``. ``most`` is in ``unit``; None if the measure itself decides."""
 
     iri: str
     name: str
@@ -41,7 +41,7 @@ def load_kinds(
     """The kinds of the shipped ontology and of ``extra``, by name.
 
     Raises:
-        OntoError: ``RUN020``, where a kind names none of ``measures``, or does not say how much it tolerates of one
+        OntoError: ``RUN020`` if a kind names none of ``measures``, or does not say how much it tolerates of one
             that is not among the ``deciding``; TTL as ``load_store``.
     """
     store = load_store(extra)

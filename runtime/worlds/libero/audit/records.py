@@ -19,7 +19,7 @@ Readings = Mapping[str, Mapping[str, float | None]]
 
 @dataclass(frozen=True, slots=True)
 class Failure:
-    """One premise failure. ``margin`` is negative, in ``unit``; None where the predicate defines none.
+    """One premise failure. ``margin`` is negative, in ``unit``; None if the predicate defines none.
 
     ``failure`` is what the diagnosis rules call an unmet fact, ``limit`` the term that decided it.
     """
@@ -55,7 +55,7 @@ class StateAudit:
 class TaskAudit:
     """``available`` counts the initial states that there are.
 
-    ``official`` is False where the suite ships none, and the seeded reset stands for one.
+    ``official`` is False if the suite ships none, and the seeded reset stands for one.
     """
 
     suite: str
@@ -100,7 +100,7 @@ class Audit:
 
 
 def write_audit(path: Path, audit: Audit) -> None:
-    """Write ``audit`` to ``path``, whole or not at all; raises ``RUN023`` where that cannot be."""
+    """Write ``audit`` to ``path``, whole or not at all; raises ``RUN023`` if that cannot be."""
     try:
         with replacing(path) as partial:
             partial.write_text(json.dumps(audit.as_dict(), allow_nan=False) + "\n", encoding="utf-8")
@@ -109,7 +109,7 @@ def write_audit(path: Path, audit: Audit) -> None:
 
 
 def read_audit(path: Path) -> Audit:
-    """The audit that :func:`write_audit` wrote; raises ``RUN022`` where ``path`` holds none."""
+    """The audit that :func:`write_audit` wrote; raises ``RUN022`` if ``path`` holds none."""
     try:
         return _audit_of(json.loads(path.read_text(encoding="utf-8")))
     except OSError as error:

@@ -130,7 +130,7 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _files(options: argparse.Namespace) -> list[Path]:
-    """The files that are named, and those in the folders that are; raises ``DEM001`` where there are none."""
+    """The files that are named, and those in the folders that are; raises ``DEM001`` if there are none."""
     given: list[Path] = options.files or [DEFAULT_FOLDER]
     found = [file for path in given for file in (_inside(path) if path.is_dir() else [path])]
     if not found:

@@ -24,7 +24,7 @@ def fixtures_of(source: str, model: mujoco.MjModel) -> FixturePoses:
     """The poses of the fixtures of ``model`` in a file: MJCF, or demonstrations in HDF5 (``FILE.hdf5/demo_3`` is one).
 
     Raises:
-        OntoError: ``SIM023`` where the file does not say them, or its demonstrations say several; ``DEM001``,
+        OntoError: ``SIM023`` if the file does not say them, or its demonstrations say several; ``DEM001``,
             ``DEM002``, ``DEM004`` for an HDF5 file; ``SIM004`` for a window record of another scene.
     """
     match = _FILE.fullmatch(source)
@@ -47,7 +47,7 @@ def fixtures_of(source: str, model: mujoco.MjModel) -> FixturePoses:
 
 
 def fixtures_of_demo(demo: Demonstration, model: mujoco.MjModel, file: str) -> FixturePoses | None:
-    """Where the fixtures of ``model`` stood in ``demo``; None where it does not say. Raises ``SIM023``, ``SIM004``."""
+    """Where the fixtures of ``model`` stood in ``demo``; None if it does not say. Raises ``SIM023``, ``SIM004``."""
     if demo.start is not None:
         check_scene(demo.start, model, identity(model))
         return FixturePoses(demo.start.body_pos, demo.start.body_quat)

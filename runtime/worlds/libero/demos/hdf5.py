@@ -14,7 +14,7 @@ __all__ = ["h5py", "reading"]
 
 
 def h5py() -> Any:  # noqa: ANN401  an untyped package
-    """The package ``h5py``; raises ``DEM004`` where it is not installed."""
+    """The package ``h5py``; raises ``DEM004`` if it is not installed."""
     try:
         return importlib.import_module("h5py")
     except ImportError as error:
@@ -24,7 +24,7 @@ def h5py() -> Any:  # noqa: ANN401  an untyped package
 
 @contextmanager
 def reading(path: Path) -> Iterator[Any]:
-    """The open file ``path``; raises ``DEM001`` where it, or a part that is asked for, cannot be read."""
+    """The open file ``path``; raises ``DEM001`` if it, or a part that is asked for, cannot be read."""
     library = h5py()
     if not path.is_file():
         raise OntoError.of("DEM001", "there is no such file", "`onto demos collect` makes some", str(path))

@@ -42,7 +42,7 @@ class TaskStore:
     def locked(self, *, wait: bool) -> Iterator[bool]:
         """Whether this process may collect; with ``wait``, as soon as no other does.
 
-        Raises ``DEM006`` where the folder cannot be written.
+        Raises ``DEM006`` if the folder cannot be written.
         """
         try:
             self._lock.parent.mkdir(parents=True, exist_ok=True)
@@ -58,7 +58,7 @@ class TaskStore:
             yield True
 
     def known(self) -> Kept:
-        """Every trial that is kept; raises ``DEM003`` where some were made with other options."""
+        """Every trial that is kept; raises ``DEM003`` if some were made with other options."""
         found: Kept = {}
         if (file := self._whole(self.path)) is not None:
             found |= {int(number): str(reason) for number, reason in file.about.get("rejected", {}).items()}
@@ -76,7 +76,7 @@ class TaskStore:
         return found
 
     def keep(self, trial: int, attributes: Mapping[str, Any], found: Demonstration | str) -> Place | str:
-        """Keep what ``trial`` gave, and say where; raises ``DEM006`` where it cannot be written."""
+        """Keep what ``trial`` gave, and say where; raises ``DEM006`` if it cannot be written."""
         path = self.parts / f"trial_{trial:04d}.hdf5"
         if isinstance(found, Demonstration):
             write(path, attributes, {"spec": self._spec}, [found])

@@ -27,7 +27,7 @@ def load(path: str | Path, *, images: bool = False) -> DemoFile:
     """The demonstrations of one file, in the order of their numbers; without ``images`` no pictures are read.
 
     Raises:
-        OntoError: ``DEM001`` where the file cannot be read, ``DEM002`` where it is laid out otherwise, ``DEM004``
+        OntoError: ``DEM001`` if the file cannot be read, ``DEM002`` if it is laid out otherwise, ``DEM004``
             without h5py.
     """
     with _data_of(Path(path)) as data:

@@ -53,7 +53,7 @@ def replay(path: str | Path) -> Iterator[DemoReplay]:
     """Replay every demonstration of a file.
 
     Raises:
-        OntoError: ``DEM001``, ``DEM002``, ``DEM004`` for the file; ``DEM005`` where the installed LIBERO lacks its
+        OntoError: ``DEM001``, ``DEM002``, ``DEM004`` for the file; ``DEM005`` if the installed LIBERO lacks its
             task or has another of that name; ``SIM003`` and ``SIM004`` for a state of another scene.
     """
     file = load(path)

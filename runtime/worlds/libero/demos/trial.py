@@ -45,7 +45,7 @@ class TaskCollector:
     """Collects trials of one task, in a scene of its own."""
 
     def __init__(self, ref: TaskRef, knowledge: Knowledge, seed: int, model_file: str, *, images: bool) -> None:
-        """Load the scene; raises ``SIM013`` where the task has no official initial states, and as ``onto ground``."""
+        """Load the scene; raises ``SIM013`` if the task has no official initial states, and as ``onto ground``."""
         self._ref, self._seed, self._model_file = ref, seed, model_file
         self._states = initial_states(ref)[:HELD_OUT]
         scene = compile_scene(ref.bddl, pictures=images)

@@ -147,7 +147,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
 
         Raises ``SIM017`` for a state that the task does not have, ``SIM030`` for an unknown option, ``SIM003``,
         ``SIM004`` for a state of another scene, ``SIM023`` for a file that does not say it, and
-        ``SIM019`` where it diverges while it settles.
+        ``SIM019`` if it diverges while it settles.
         """
         super().reset(seed=seed)
         start = self._starts.choose(self._start, self.np_random, seed, options or {})

@@ -37,7 +37,7 @@ class LeRobotView(gymnasium.ObservationWrapper[Nested, NDArray[np.float32], Obse
     """
 
     def __init__(self, env: gymnasium.Env[Observed, NDArray[np.float32]]) -> None:
-        """Wrap ``env``; raises ``SIM030`` where it lacks the pictures or a part of the state."""
+        """Wrap ``env``; raises ``SIM030`` if it lacks the pictures or a part of the state."""
         super().__init__(env)
         if not isinstance(env.unwrapped, LiberoEnv):
             raise OntoError.of("SIM030", f"{env.unwrapped} is no LIBERO environment", "wrap onto/Libero-v0")

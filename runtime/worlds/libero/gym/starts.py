@@ -48,7 +48,7 @@ class Starts:
     def __init__(
         self, ref: TaskRef, scene: CompiledScene, fresh: NDArray[np.float64], index: int, advance: Advance, settle: int
     ) -> None:
-        """Read the states; raises ``SIM017`` where ``index`` is none of them, ``SIM030`` for another ``advance``."""
+        """Read the states; raises ``SIM017`` if ``index`` is none of them, ``SIM030`` for another ``advance``."""
         if advance != "random" and (not isinstance(advance, int) or isinstance(advance, bool)):
             raise OntoError.of("SIM030", f"advance is `{advance}`", "it is a number of states, or random")
         self._name, self._advance, self._settle = ref.name, advance, settle

@@ -45,7 +45,7 @@ class NativeEnvironment(StateEnvironment):
         return self._task.judged or all(fact.native.predicate.lower() in known for fact in self._required.facts)
 
     def verify_natively(self) -> Verification:
-        """Ask LIBERO; raises ``SIM018`` where it can judge neither the goal nor its atoms."""
+        """Ask LIBERO; raises ``SIM018`` if it can judge neither the goal nor its atoms."""
         return Verification(_QUERY if self._task.judged else _ATOMS, self._success())
 
     def _success(self) -> bool:

@@ -25,7 +25,7 @@ __all__ = ["Placements", "Uncertain", "uncertain_row"]
 class Uncertain:
     """Required fact ``index``, whose ``margin`` is within the ``reach`` (m) by which ``fixtures`` may stand elsewhere.
 
-    ``margin`` is NaN where none is defined, so that any displacement may decide.
+    ``margin`` is NaN if none is defined, so that any displacement may decide.
     """
 
     index: int

@@ -30,7 +30,7 @@ class Observer:
     """Reads the observations ``keys`` of one scene; without ``keys``, all that LIBERO gives for ``objects``."""
 
     def __init__(self, scene: CompiledScene, objects: Sequence[str], keys: Sequence[str] | None = None) -> None:
-        """Resolve names; raises ``SIM030`` where a key is unknown."""
+        """Resolve names; raises ``SIM030`` if a key is unknown."""
         model, arm = scene.model, scene.arm
         self._arm, self._objects = arm, tuple(objects)
         self._bodies = np.array([scene.index.root_body(name) for name in objects], dtype=np.intp)

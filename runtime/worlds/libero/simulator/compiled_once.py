@@ -61,7 +61,7 @@ def _saved(xml: str, wrapper: Any) -> str:  # noqa: ANN401  as above
 
 
 def _key(xml: str) -> Key | None:
-    """What the model depends on; None where a file is not there, of which MuJoCo says more."""
+    """What the model depends on; None if a file is not there, of which MuJoCo says more."""
     try:
         found = [os.stat(name) for name in dict.fromkeys(_FILES.findall(xml))]  # noqa: PTH116  half the time of Path's
     except OSError:

@@ -26,7 +26,7 @@ class ExactStepper:
     """Steps ``data`` as robosuite does; three forward passes a substep."""
 
     def __init__(self, scene: CompiledScene, data: mujoco.MjData) -> None:
-        """Make robosuite's controller over ``data``; raises ``SIM010`` where robosuite cannot be imported."""
+        """Make robosuite's controller over ``data``; raises ``SIM010`` if robosuite cannot be imported."""
         control_env()  # whatever has to be said to LIBERO and robosuite before they are imported
         binding = importlib.import_module("robosuite.utils.binding_utils")
         controllers = importlib.import_module("robosuite.controllers")

@@ -35,7 +35,7 @@ class Offscreen(Closing):
     def __init__(self, model: mujoco.MjModel, height: int, width: int, *, fast: bool = False) -> None:
         """Set up drawing and upload the textures, in a second or less.
 
-        ``fast`` leaves out shadows, reflections and multisampling; it changes ``model.vis``. Raises ``SIM031`` where
+        ``fast`` leaves out shadows, reflections and multisampling; it changes ``model.vis``. Raises ``SIM031`` if
         this machine cannot draw, and ``SIM032`` in a process that was forked from one that has drawn.
         """
         self._model, self._rect = model, mujoco.MjrRect(0, 0, width, height)
@@ -57,7 +57,7 @@ class Offscreen(Closing):
         self._camera.type = mujoco.mjtCamera.mjCAMERA_FIXED
 
     def camera(self, name: str) -> int:
-        """The id of camera ``name``; raises ``SIM030`` where there is none."""
+        """The id of camera ``name``; raises ``SIM030`` if there is none."""
         found: int = mujoco.mj_name2id(self._model, mujoco.mjtObj.mjOBJ_CAMERA, name)
         if found < 0:
             names = [self._model.camera(i).name for i in range(self._model.ncam)]

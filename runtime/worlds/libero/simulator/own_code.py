@@ -32,7 +32,7 @@ def import_own(names: Sequence[str], beside: Path) -> None:
     """Import the modules ``names``, and those that the project lists, after LIBERO.
 
     They are looked for among what is installed, in the folder ``beside``, in the working folder, and in the project's.
-    Raises ``SIM024`` where one is not there, or at the file and line of the error that its import raises.
+    Raises ``SIM024`` if one is not there, or at the file and line of the error that its import raises.
     """
     project, listed = _listed(Path.cwd())
     wanted = tuple(dict.fromkeys((*listed, *names)))

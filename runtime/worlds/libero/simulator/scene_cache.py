@@ -61,7 +61,7 @@ class SceneCache:
         self.folder = folder
 
     def load(self, key: str) -> tuple[SceneRecord, Path] | None:
-        """The record kept for ``key`` and the path of its model; None where there is none that can be used."""
+        """The record kept for ``key`` and the path of its model; None if there is none that can be used."""
         if self.folder is None:
             return None
         path = _record(self.folder, key)

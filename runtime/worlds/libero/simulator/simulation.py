@@ -132,7 +132,7 @@ class Simulation:
     def watch(self, entities: Sequence[str]) -> None:
         """Accumulate from now on, in :attr:`touched`, which of ``entities`` touch in any substep.
 
-        Between two control steps a contact can come and go (robosuite issue 366). Raises ``SIM001`` where one is
+        Between two control steps a contact can come and go (robosuite issue 366). Raises ``SIM001`` if one is
         unknown.
         """
         self._stepper.watch([self.scene.index.contact_geoms(name) for name in entities])
@@ -149,7 +149,7 @@ class Simulation:
         return self._snapshot(integration, *self._stepper.take())
 
     def restore(self, saved: Snapshot) -> None:
-        """Go back to ``saved``, of this scene, whoever took it; raises ``SIM004`` where it is another scene's.
+        """Go back to ``saved``, of this scene, whoever took it; raises ``SIM004`` if it is another scene's.
 
         Where its fixtures stand elsewhere they are moved, which is refused (``SIM022``) while another simulation runs
         in the same compiled scene.

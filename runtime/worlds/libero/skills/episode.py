@@ -122,8 +122,8 @@ class EpisodePlayer:
         ``report`` is called with each attempt as soon as it is recorded.
 
         Raises:
-            OntoError: ``SIM017``, where the task has no such initial state; ``SIM019``, where it diverges while it
-                settles; ``RUN013``, where the native run of the actions is not the play's.
+            OntoError: ``SIM017`` if the task has no such initial state; ``SIM019`` if it diverges while it
+                settles; ``RUN013`` if the native run of the actions is not the play's.
         """
         sim = _Watched(self.scene, exact=True)
         sim.reset_to(self._official(sim, state_index) if state is None else state)

@@ -82,7 +82,7 @@ def _pad(points: Array, x0: float, y0: float, tip: float) -> tuple[int, float, f
 
 @njit(cache=True)
 def _top(target: Array, x0: float, y0: float) -> float:
-    """The first surface that closing pads would meet; infinite where there is none."""
+    """The first surface that closing pads would meet; infinite if there is none."""
     top = np.inf
     for i in range(target.shape[0]):
         if abs(target[i, 1] - y0) <= _PAD_Y and abs(target[i, 0] - x0) < _STEP_Y + _STEP_X:

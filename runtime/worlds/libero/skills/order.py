@@ -48,12 +48,12 @@ def preconditions(required: RequiredABox) -> tuple[tuple[Fact, ...], ...]:
 def ready(
     required: RequiredABox, observed: Observation, conditions: Observation, knowledge: Knowledge
 ) -> tuple[GoalStep, ...]:
-    """What is left to do, the next step first; empty where the nearest alternative of the goal holds.
+    """What is left to do, the next step first; empty if the nearest alternative of the goal holds.
 
     ``observed`` is aligned with ``required.facts`` and ``conditions`` with ``required.preconditions``.
 
     Raises:
-        OntoError: RUN012, where the facts have no order in which each can be brought about.
+        OntoError: RUN012 if the facts have no order in which each can be brought about.
     """
     facts = evidence_status(required.facts, observed)
     before = evidence_status([each.fact for each in required.preconditions], conditions)
@@ -75,7 +75,7 @@ def sequence(
     precondition of another unmet fact waits for that one; then the smaller priority goes first, then what comes first.
 
     Raises:
-        OntoError: RUN012, where the facts have no such order.
+        OntoError: RUN012 if the facts have no such order.
     """
     chosen = tuple(range(len(required.facts))) if way is None else tuple(way)
     return _Play(required, knowledge, chosen, list(facts), list(conditions)).steps()
@@ -87,7 +87,7 @@ def diagnose_step(
     """The diagnosis of the fact of ``step``, which must be unmet in its observation (see :func:`ready`).
 
     Raises:
-        OntoError: RUN003, where no diagnosis rule speaks of it.
+        OntoError: RUN003 if no diagnosis rule speaks of it.
     """
     if step.precondition:
         facts = [each.fact for each in required.preconditions]

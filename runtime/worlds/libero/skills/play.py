@@ -175,7 +175,7 @@ class Player:
         return ready(self.required, observed, conditions, self.knowledge)
 
     def _act(self, episode: _Episode, candidates: int) -> bool:
-        """Carry out one skill for the first step that has a way; False where nothing is left or can be done."""
+        """Carry out one skill for the first step that has a way; False if nothing is left or can be done."""
         for step in self._steps(episode.sim):
             if self._true(episode.sim, step):
                 continue  # it will be undone on the way, and is then to be done again

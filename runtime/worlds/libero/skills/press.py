@@ -28,7 +28,7 @@ STEPS = 35
 
 
 def inward(world: SkillWorld, place: PlacementTarget) -> Array | None:
-    """The direction (3,) in which the drawer of ``place`` shuts; None where it is in no drawer."""
+    """The direction (3,) in which the drawer of ``place`` shuts; None if it is in no drawer."""
     if place.site is None or not place.contains:
         return None
     model, data = world.model, world.data

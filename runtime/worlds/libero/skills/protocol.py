@@ -22,7 +22,7 @@ __all__ = ["Skill", "SkillPlan", "SkillRequest"]
 class SkillRequest:
     """The fact that a skill has to make true, and the world as it is; never a task name.
 
-    ``holds`` says whether the fact would be true with its first argument at a pose, or is None where nothing can tell.
+    ``holds`` says whether the fact would be true with its first argument at a pose, or is None if nothing can tell.
     ``tried`` are the grasps that failed for this fact already; ``sharing`` facts speak of the same place.
     ``ways`` lead from the other objects of the goal to where it wants them: (2,) and (2,) in the world.
     """

@@ -25,6 +25,6 @@ def load_skills(schema: Schema) -> dict[str, Factory]:
     """What makes the skill of each route that ``schema`` declares, by the route's local name; call it with the schema.
 
     Raises:
-        OntoError: RUN011, where an entry point cannot be loaded.
+        OntoError: RUN011 if an entry point cannot be loaded.
     """
     return load_routed(schema, GROUP, "skill", "RUN011")

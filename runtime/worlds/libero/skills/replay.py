@@ -37,7 +37,7 @@ class NativeReplay(Closing):
         return self._environment.qpos
 
     def begin(self, start: Snapshot) -> None:
-        """Go to ``start``; raises ``SIM004`` where it is another scene's."""
+        """Go to ``start``; raises ``SIM004`` if it is another scene's."""
         self._task.restore(start)
         self.steps = 0
 
@@ -70,7 +70,7 @@ class NativeReplay(Closing):
         """Ask LIBERO; where it accepts, ask again after 20 steps without motion, and go back.
 
         Raises:
-            OntoError: ``SIM018``, where LIBERO cannot judge the goal.
+            OntoError: ``SIM018`` if LIBERO cannot judge the goal.
         """
         verification = self._environment.verify()
         if not verification.outcome:

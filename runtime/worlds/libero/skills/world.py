@@ -69,7 +69,7 @@ class SkillWorld:
         return np.array(self.data.xanchor[self.model.dof_jntid[self.sim.scene.arm.dof[0]]])
 
     def pose(self, entity: str) -> Pose:
-        """Pose of an entity's root body; raises ``SIM001`` where there is none."""
+        """Pose of an entity's root body; raises ``SIM001`` if there is none."""
         body = self.index.root_body(entity)
         return self.body_pose(body)
 
@@ -78,7 +78,7 @@ class SkillWorld:
         return Pose(self.data.xpos[body].copy(), self.data.xmat[body].reshape(3, 3).copy())
 
     def site_pose(self, site: str) -> Pose:
-        """Pose of a site; raises ``SIM002`` where there is none."""
+        """Pose of a site; raises ``SIM002`` if there is none."""
         number = self.index.site(site)
         return Pose(self.data.site_xpos[number].copy(), self.data.site_xmat[number].reshape(3, 3).copy())
 

@@ -61,7 +61,7 @@ class Filmer:
     """
 
     def __init__(self, ref: TaskRef, asked: SceneFacts, knowledge: Knowledge, *, exact: bool) -> None:
-        """Load the scene; raises ``SIM031`` where this machine cannot draw, and as ``onto ground``."""
+        """Load the scene; raises ``SIM031`` if this machine cannot draw, and as ``onto ground``."""
         self._scene = compile_scene(ref.bddl, pictures=True)
         self._simulation = Simulation(self._scene, exact=exact)
         self._grounder = SimGrounder(self._scene.index, asked.facts, knowledge.schema)

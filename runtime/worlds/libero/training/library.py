@@ -95,8 +95,8 @@ def filmed(shoot: FilmRequest, jobs: int, log: Callable[[str], None]) -> tuple[F
     """Make what is missing of ``shoot`` in ``jobs`` processes, and list all of it.
 
     Raises:
-        OntoError: ``SIM031`` where this machine cannot draw; ``WM016`` where a task has no demonstration with a whole
-            start; ``DEM`` problems of the demonstrations; ``WM006`` where ``folder`` cannot be written.
+        OntoError: ``SIM031`` if this machine cannot draw; ``WM016`` if a task has no demonstration with a whole
+            start; ``DEM`` problems of the demonstrations; ``WM006`` if ``folder`` cannot be written.
     """
     refs = [ref for ref in tasks(SUITE) if not shoot.indices or ref.index in shoot.indices]
     found: dict[int, tuple[Filmed, ...]] = {}
@@ -170,7 +170,7 @@ def _named(folder: Path, ref: TaskRef, demo: Demonstration, kind: str) -> Filmed
 
 
 def _play(filmer: Filmer, ref: TaskRef, demo: Demonstration, kind: str) -> Film | None:
-    """The film, or None where the state diverges."""
+    """The film, or None if the state diverges."""
     origin, start = demo.origin, demo.start
     if origin is None or start is None:
         raise AssertionError
@@ -191,7 +191,7 @@ def read_film(path: Path, *, pictures: bool = True) -> Film:
     """The film at ``path``; without ``pictures`` an empty array stands for them.
 
     Raises:
-        OntoError: ``WM017``, where it is damaged.
+        OntoError: ``WM017`` if it is damaged.
     """
     try:
         with np.load(path, allow_pickle=False) as archive:

@@ -96,7 +96,7 @@ def tell_events(
 ) -> dict[str, NDArray[np.float64]]:
     """Of each window's imagined end, for its own task, means over the members; and, beside each event, what is true.
 
-    ``success`` and ``succeeds``, ``remaining`` and ``left`` (seconds; infinite where it is not known), ``feasibility``
+    ``success`` and ``succeeds``, ``remaining`` and ``left`` (seconds; infinite if it is not known), ``feasibility``
     and ``clear``, ``uncertainty`` and ``error``; all (W,).
     """
     goal = np.zeros((len(data), len(asked.names)), dtype=np.bool_)

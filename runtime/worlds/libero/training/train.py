@@ -68,7 +68,7 @@ def load_windows(config: SceneTrainingConfig, place: FilmPlace, split: str, seen
     """The windows of ``train`` or ``held``; films and features that are missing are made.
 
     Raises:
-        OntoError: as :func:`train`; ``WM016`` where the split has no demonstration.
+        OntoError: as :func:`train`; ``WM016`` if the split has no demonstration.
     """
     films = _of_split(config, place, split, log)
     path = place.unfinished / f"features.{split}.npy"

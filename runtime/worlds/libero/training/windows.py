@@ -27,7 +27,7 @@ class Windows:
 
     ``frames`` has a window for a trajectory. ``truth`` and ``margin`` (W, H + 1, F), ``clear`` (W, H + 1) as of
     :class:`~runtime.worlds.libero.training.film.Film`; ``remaining`` (W, H + 1): seconds until the goal of the film's
-    own task holds for good, infinite where it never does. ``film`` (W,) is a place in ``films``.
+    own task holds for good, infinite if it never does. ``film`` (W,) is a place in ``films``.
     """
 
     frames: Frames
@@ -93,8 +93,8 @@ def windows(
     What is drawn of them is drawn on ``device``.
 
     Raises:
-        OntoError: ``WM009`` where films have another size than ``seen`` reads, ``WM010`` where a feature is not finite,
-            ``WM017`` where a film is damaged.
+        OntoError: ``WM009`` where films have another size than ``seen`` reads, ``WM010`` if a feature is not finite,
+            ``WM017`` if a film is damaged.
     """
     rows, draw = pictures_of(films)
     source = _Picked(tuple(f"{one.path.parent.parent.name}/{one.path.name}" for one in films))

@@ -33,7 +33,7 @@ Rows = Mapping[str, Sequence[TrialResult]]
 
 
 def write_plans(path: Path, rows: Rows, facts: MazeFacts, schema: Schema) -> None:
-    """Write :func:`plans_html` to ``path``; raises ``TRC001`` where it cannot be written."""
+    """Write :func:`plans_html` to ``path``; raises ``TRC001`` if it cannot be written."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(plans_html(rows, facts, schema), encoding="utf-8")

@@ -33,7 +33,7 @@ class ImaginedPlan:
     """What a world model imagines of a plan.
 
     ``paths`` (M, T + 1, 4) of its M members, step by step; ``margin`` and ``score`` (H, F) of the required facts after
-    each macro step, NaN where there is no evidence of one.
+    each macro step, NaN if there is no evidence of one.
     """
 
     paths: NDArray[np.float64]
@@ -43,7 +43,7 @@ class ImaginedPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlannedActions:
-    """A plan: ``actions`` (T, 2), what was predicted of its end (None where nothing was), and how it was come by."""
+    """A plan: ``actions`` (T, 2), what was predicted of its end (None if nothing was), and how it was come by."""
 
     actions: NDArray[np.float64]
     evaluations: int

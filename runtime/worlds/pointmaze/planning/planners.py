@@ -70,7 +70,7 @@ class ByModel(Planner):
         self._sensor.moved(states, actions)
 
     def plan(self, left: int, random: torch.Generator) -> PlannedActions:
-        """Search; then, with guidance, better what is found. Raises ``WM010`` where a feature is not finite."""
+        """Search; then, with guidance, better what is found. Raises ``WM010`` if a feature is not finite."""
         if self._goal is None:
             raise RuntimeError("an episode begins before its first plan")
         question = PlanningProblem(

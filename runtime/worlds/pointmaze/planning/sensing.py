@@ -75,7 +75,7 @@ class Sensor:
         )
 
     def between(self) -> torch.Tensor | None:
-        """The middle (2,) of the cell half way from here to the goal; None where they are in cells side by side."""
+        """The middle (2,) of the cell half way from here to the goal; None if they are in cells side by side."""
         way = cell_way(self._maze, self._proprio[-1], self._target)
         return self._tensor(way[len(way) // 2]) if len(way) > 2 else None
 

@@ -1,1 +1,1 @@
-"""Observation in, repaired and verified episode out."""
+"""From observations to repaired, verified and recorded episodes."""

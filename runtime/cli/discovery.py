@@ -47,7 +47,7 @@ def group_title(point: EntryPoint) -> str:
 
 
 def advice(error: ImportError) -> str:
-    """How to install what an import missed, or an empty string where no extra provides it."""
+    """How to install the module that an import lacks; an empty string if no extra provides it."""
     extra = _EXTRAS.get((error.name or "").partition(".")[0])
     return f"run `pip install 'onto-evwm[{extra}]'`" if extra else ""
 
@@ -67,7 +67,7 @@ def load(name: str, points: dict[str, EntryPoint]) -> Command:
 
 
 def load_all(points: dict[str, EntryPoint]) -> Iterator[tuple[str, Command | ImportError]]:
-    """Import every command; one that cannot be imported comes as its error, so that the help still lists the rest."""
+    """Import every command; one that cannot be imported is given as its error, so that the help lists the others."""
     for name, point in points.items():
         try:
             yield name, point.load()

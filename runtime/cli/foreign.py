@@ -1,4 +1,4 @@
-"""Whose code an exception comes from: ours, or that of a package that registered a proposer, a skill or a function."""
+"""Whether an exception comes from our code or from a package that registered a proposer, a skill or a function."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _OURS = {"benchmarks", "grounding", "onto_compiler", "ontology", "runtime"}
 
 
 def told(error: Exception) -> OntoError | None:
-    """``error`` at the line of the registered code that raised it or passed it on; None if it is our own fault."""
+    """``error`` as a problem at the line of the registered code that raised it; None if it arose in our own code."""
     registered = [
         (point, kind) for group, kind in _KINDS.items() for point in points(group) if _top(point.module) not in _OURS
     ]

@@ -1,4 +1,4 @@
-"""What a person sees before a command runs: the list of commands, and each command's own parser."""
+"""The help: the list of commands, and each command's parser."""
 
 from __future__ import annotations
 

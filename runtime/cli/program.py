@@ -1,4 +1,4 @@
-"""From arguments to an exit code: no way through here ends in a traceback that nobody asked for."""
+"""From arguments to an exit code; a traceback is only printed on request."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _run(arguments: list[str]) -> int:
 
 
 def _wants_json(arguments: Sequence[str]) -> bool:
-    """Whether standard output was promised to be JSON; asked of the raw words, as parsing may be what failed."""
+    """Whether JSON was requested; looks at the raw arguments, since parsing them may have failed."""
     pairs = zip(arguments, [*arguments[1:], ""], strict=True)
     return any(word in {"--json", "--format=json"} or (word, value) == ("--format", "json") for word, value in pairs)
 
@@ -92,7 +92,7 @@ def _missing(error: ImportError, arguments: Sequence[str]) -> int:
 
 
 def _failed(error: Exception, arguments: Sequence[str]) -> int:
-    """Whose fault an exception is: that of registered code, or ours."""
+    """The problem to report for an exception in registered code or in ours."""
     foreign = told(error)
     if foreign is None:
         return _internal(error)

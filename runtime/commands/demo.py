@@ -1,4 +1,4 @@
-"""``onto demo``: the main job on the ten LIBERO-Goal tasks, recorded, questioned and reported."""
+"""``onto demo``: repair the ten LIBERO-Goal tasks, record the episodes, query them and write a report."""
 
 from __future__ import annotations
 

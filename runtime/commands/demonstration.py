@@ -1,4 +1,4 @@
-"""What ``onto demo`` does: one episode per task of a suite, recorded, questioned with SPARQL and reported."""
+"""``onto demo``: one episode per task of a suite, recorded, queried with SPARQL and reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``onto ground`` and ``onto diagnose``: what a state shows of a task's facts, and what follows from it."""
+"""``onto ground`` and ``onto diagnose``: the observed facts of a task in one state, and their diagnoses."""
 
 from __future__ import annotations
 

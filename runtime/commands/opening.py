@@ -1,4 +1,4 @@
-"""From the name of a task to an opened one, and from what a person calls a state to its number and its numbers."""
+"""Open a task by its name, and find the initial state that an argument means."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def open_task(
 ) -> Iterator[EpisodeRunner]:
     """The runner for ``task`` under the shipped ontology with ``ontology`` on top; closed at the end.
 
-    ``model`` is a file that says where the fixtures stand; ``imports`` are modules that register objects of one's own.
-    ``proposers`` names the one that acts of those that serve a route.
+    ``model`` is a file with the fixtures' poses; ``imports`` are modules that register objects of your own.
+    ``proposers`` chooses among several proposers of a route.
 
     Raises:
         OntoError: as :func:`onto_compiler.bddl.impossible.refuse_impossible`, where the goal must be ``possible``.

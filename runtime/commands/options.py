@@ -76,7 +76,7 @@ def add_state(parser: argparse.ArgumentParser) -> None:
 
 
 def uncertain_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """For people: the facts whose verdict hangs on where fixtures stand, where neither --model nor --seed says it."""
+    """As text: the facts whose verdict depends on fixture poses that neither --model nor --seed gives."""
     lines = [
         f"  uncertain: {row['fact']} hangs on where {' and '.join(row['fixtures'])} stood, which the state does not "
         f"say; seed 0 is assumed, and another placement is up to {row['reach'] * 1000:.0f} mm away"
@@ -86,7 +86,7 @@ def uncertain_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 
 def start_options(options: argparse.Namespace) -> dict[str, Any]:
-    """What says where a run starts, by the names of the functions of :mod:`runtime.commands.tasks`."""
+    """The options for a run's start, by the parameter names of :mod:`runtime.commands.tasks`."""
     return {
         "state": chosen_state(options),
         "seed": options.seed,

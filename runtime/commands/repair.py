@@ -1,4 +1,4 @@
-"""``onto repair``: run the correction loop on one task and state, and tell what happened."""
+"""``onto repair``: run the correction loop on one task and state, and print what happened."""
 
 from __future__ import annotations
 

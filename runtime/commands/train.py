@@ -17,7 +17,7 @@ __all__ = ["TRAIN"]
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("world", choices=tuple(trained_worlds()), help="what the model is of")
+    parser.add_argument("world", choices=tuple(trained_worlds()), help="the world to model")
     parser.add_argument(
         "stages",
         nargs="*",
@@ -25,25 +25,25 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         default=STAGES,
         help=f"some of {', '.join(STAGES)}, in this order (default: all)",
     )
-    parser.add_argument("--seed", type=int, default=0, help="decides data, beginnings and batches (default 0)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of data, initial weights and batches (default 0)")
     parser.add_argument("--encoder", metavar="NAME", help="what reads the pictures (default: lite0)")
     parser.add_argument("--out", type=Path, metavar="DIR", help="default: out/models/WORLD/SEED")
     parser.add_argument("--threads", type=int, default=0, metavar="N", help="of torch (default: all)")
-    parser.add_argument("--demos", type=Path, metavar="DIR", help="libero: demonstrations that are there already")
+    parser.add_argument("--demos", type=Path, metavar="DIR", help="libero: folder of existing demonstrations")
     parser.add_argument("--count", type=int, metavar="N", help="libero: demonstrations a task (default 40)")
     add_format(parser)
 
 
 def _run(options: argparse.Namespace) -> int:
-    """Train; goes on where an earlier run stopped."""
+    """Train; resumes an interrupted run."""
     from grounding.world_model.device import use_threads  # noqa: PLC0415 - torch takes a second to import
 
     unknown = [stage for stage in options.stages if stage not in STAGES]
     if unknown:
-        raise OntoError.of("WM015", f"`{unknown[0]}` is no stage of a training", f"stages: {', '.join(STAGES)}")
+        raise OntoError.of("WM015", f"`{unknown[0]}` is not a training stage", f"stages: {', '.join(STAGES)}")
     if options.encoder is not None and "projection" not in options.stages:
-        message = "an encoder is chosen where the projection is made, and later stages read what that one reads"
-        raise OntoError.of("CLI002", message, "leave --encoder out, or begin with `projection`")
+        message = "the stage `projection` sets the encoder, and later stages use the same one"
+        raise OntoError.of("CLI002", message, "leave --encoder out, or start with `projection`")
     if options.threads:
         use_threads(options.threads)
     folder = options.out or Path("out/models") / options.world / str(options.seed)
@@ -69,7 +69,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _encoder(options: argparse.Namespace, folder: Path) -> str | None:
-    """What is asked for; where the projection is there already, what that was made for."""
+    """The encoder given with --encoder, or that of the projection that exists already."""
     from grounding.world_model.checkpoint import read_card  # noqa: PLC0415 - as above
     from grounding.world_model.model import FILES  # noqa: PLC0415
 
@@ -79,7 +79,7 @@ def _encoder(options: argparse.Namespace, folder: Path) -> str | None:
 
 
 def _chosen(options: argparse.Namespace, stage: str) -> str:
-    """What of the command decides the data, for the card, without a path of this machine."""
+    """The options that determine the data, for the card; without local paths."""
     chosen = ""
     if options.encoder is not None and stage == "projection":
         chosen += f" --encoder {options.encoder}"
@@ -95,7 +95,7 @@ def _say(options: argparse.Namespace, text: str) -> None:
 
 TRAIN = Command(
     name="train",
-    help="Train the networks of a world model; an interrupted training goes on.",
+    help="Train the networks of a world model; an interrupted training resumes.",
     example="onto train pointmaze --seed 0",
     configure=_configure,
     run=_run,

@@ -24,7 +24,7 @@ __all__ = ["Correction", "CorrectionLoop", "Environment", "RunFault"]
 
 
 class Environment(Protocol):
-    """What the loop needs of a simulated state: read it, write it, ask the native predicate."""
+    """The loop's access to a simulated state: read it, write it, evaluate the native predicate."""
 
     @property
     def scene(self) -> Scene:
@@ -54,14 +54,14 @@ class Environment(Protocol):
         ...
 
     def verify(self) -> Verification:
-        """Ask the native predicate."""
+        """Evaluate the native predicate."""
         ...
 
     def settle(self, verification: Verification) -> Verification:
         """Let the state settle and record whether the native predicate still holds.
 
-        Where it does, the state is afterwards the one that was verified. Where it does not, it is the one that this has
-        settled to, or where nothing can settle, the one before the last proposal.
+        If it does, the verified state is restored. If not, the settled state is kept, or the state before the last
+        proposal if it diverged.
         """
         ...
 
@@ -70,9 +70,9 @@ class Environment(Protocol):
 class Correction:
     """What :meth:`CorrectionLoop.run` returns: the attempts, and how and in which observed state the loop ended.
 
-    ``reason`` says why it stays ``unresolved``, where a route has nothing that serves it or a state did not settle.
-    ``lost`` is the verdict on a start that the native predicate accepted and that did not settle: the state that it
-    settled to was corrected.
+    ``reason`` says why the outcome is ``unresolved``: a route without a proposer, or a state that did not stay accepted
+    while settling. ``lost`` is the verdict on a start that was accepted but not after settling; the loop then corrected
+    the settled state.
     """
 
     initial: Observation
@@ -86,7 +86,7 @@ class Correction:
 
 @dataclass(frozen=True, slots=True)
 class CorrectionLoop:
-    """The loop's fixed parts: what the ontology says, a proposer per route name, how many attempts it may make."""
+    """The loop's fixed parts: the compiled ontology, a proposer per route name, and the budget of attempts."""
 
     knowledge: Knowledge
     proposers: Mapping[str, Proposer]
@@ -103,7 +103,7 @@ class CorrectionLoop:
     ) -> Correction:
         """Correct the state of ``environment`` until the native predicate accepts it or the budget is spent.
 
-        A state that is accepted and does not survive settling counts as rejected: the loop goes on from there.
+        A state that is not accepted after settling counts as rejected; the loop continues from the settled state.
 
         With ``predicted`` the source starts as ``pred``: a satisfied prediction is retained and nothing is executed;
         an unsatisfied one is corrected in ``environment`` where one is given. Without it the source is ``sim``
@@ -116,7 +116,7 @@ class CorrectionLoop:
 
 @dataclass(slots=True)
 class _Run:
-    """One run of the algorithm, with what it remembers between attempts."""
+    """One run of the algorithm and its state between attempts."""
 
     loop: CorrectionLoop
     required: RequiredABox
@@ -154,7 +154,7 @@ class _Run:
     def _before_attempt(
         self, observation: Observation, diagnoses: tuple[Diagnosis, ...]
     ) -> str | tuple[str, Verification] | None:
-        """Step 3: how the run ends without a further attempt, or None."""
+        """Step 3: the outcome if no further attempt is needed or allowed, else None."""
         if observation.source == "pred" and not diagnoses:
             return "retained"
         environment = self.environment
@@ -169,7 +169,7 @@ class _Run:
         return "unresolved" if len(self.attempts) >= self.loop.budget else None
 
     def _accepted(self, verification: Verification) -> tuple[str, Verification] | None:
-        """How the run ends where the native predicate accepts the state as it is; None if that has to settle."""
+        """The outcome if the native predicate accepts the present state; None if it must settle first."""
         if _holds(verification):
             return "verified", verification
         if self.lost is not None or self.attempts:
@@ -195,7 +195,7 @@ class _Run:
         return Attempt(index, observation, diagnoses, decision, application, verification)
 
     def _dispatch(self, selected: Diagnosis) -> tuple[RouteDecision, Proposal | None]:
-        """Follow the routing rules until some route has a candidate, or each has said that it has none."""
+        """Follow the routing rules until a route has a candidate or all are exhausted."""
         status, previous = FIRST, None
         if self.rejected is not None and self.rejected.diagnosis.index == selected.index:
             status, previous = REPEAT, self.rejected.route
@@ -243,7 +243,7 @@ class _Run:
         return self.attempts[-1].verification if self.attempts else self.lost
 
     def _reason(self, last: Verification | None) -> str:
-        """What is missing: proposers of the routes that failures were sent along, or a state that survives settling."""
+        """What is missing: proposers of the chosen routes, or a state that stays accepted while settling."""
         names = " or ".join(f"`{name}`" for name in self.unserved)
         parts = [f"no proposer is registered as {names}"] if names else []
         if last is not None and last.outcome:
@@ -252,12 +252,12 @@ class _Run:
 
 
 def _after_attempt(attempt: Attempt) -> str | None:
-    """Step 6: how the run ends after ``attempt``, or None."""
+    """Step 6: the outcome after ``attempt``, or None to continue."""
     if attempt.fault:
         return "run_fault"
     return "accepted" if attempt.verification is not None and _holds(attempt.verification) else None
 
 
 def _holds(verification: Verification) -> bool:
-    """Whether the native predicate accepts, and still does after settling where that was asked."""
+    """Whether the native predicate accepts, also after settling if that was checked."""
     return verification.outcome and verification.settled is not False

@@ -1,6 +1,6 @@
 """Delta F and Pi_D: which required facts are unsatisfied, and what kind of failure each one is (paper, section 3).
 
-Numbers become finite statuses here; what a status means is for the rules to say.
+Numbers become one of a few statuses here; the rules say what each status means.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def evidence_status(facts: Sequence[Fact], observation: Observation) -> NDArray[
 
 
 def requirement(facts: Sequence[Fact]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """What each fact asks of its margin: the sign (n,) of its polarity, and the least signed margin (n,)."""
+    """The sign (n,) of each fact's polarity, and the smallest signed margin (n,) that satisfies it."""
     sign = np.array([1.0 if fact.polarity else -1.0 for fact in facts], dtype=np.float64)
     return sign, np.array([fact.threshold for fact in facts], dtype=np.float64)
 
@@ -80,8 +80,8 @@ def lack(facts: Sequence[Fact], observation: Observation) -> NDArray[np.float64]
 def by_distance(required: RequiredABox, observation: Observation) -> tuple[tuple[int, ...], ...]:
     """The alternatives of the goal as indices of facts, the nearest first; without any, one with every fact.
 
-    Nearer is what has fewer unmet facts, then fewer of them without a margin, then the smaller sum of what the margins
-    lack (in their own units), then what comes first.
+    Ordered by the number of unmet facts, then of those without a margin, then by the sum of the margins' deficits (each
+    in its own unit), then by position.
     """
     if not required.alternatives:
         return required.ways
@@ -105,9 +105,9 @@ def unmet(required: RequiredABox, observation: Observation) -> tuple[int, ...]:
 def diagnose_goal(
     required: RequiredABox, observation: Observation, tables: RuleTables, rank: int = 0
 ) -> tuple[Diagnosis, ...]:
-    """One record for each unsatisfied fact of the nearest alternative, or of the one that ``rank`` others precede.
+    """One record for each unsatisfied fact of the alternative at ``rank`` (0: the nearest).
 
-    Where it is empty for rank 0 the goal holds.
+    The goal holds if there are none for rank 0.
 
     Raises:
         OntoError: as :func:`diagnose`.
@@ -120,7 +120,7 @@ def diagnose_goal(
 def diagnose(
     facts: Sequence[Fact], observation: Observation, tables: RuleTables, only: Collection[int] | None = None
 ) -> tuple[Diagnosis, ...]:
-    """One record for each unsatisfied fact, in the order of the required ABox; ``only`` are the indices to look at.
+    """One record for each unsatisfied fact, in the order of the required ABox; ``only`` limits it to these indices.
 
     Raises:
         OntoError: RUN003 if no diagnosis rule speaks of an unsatisfied fact.

@@ -1,4 +1,4 @@
-"""What a run can break off with."""
+"""The fault that ends a run early."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ __all__ = ["RunFault"]
 
 
 class RunFault(Exception):  # noqa: N818 - the ontology's own name for it
-    """A run that broke off: a number that is not finite, or a crash. Never a statement about the task.
+    """A run that ended early: a number that is not finite, or a crash. It says nothing about the task.
 
-    ``snapshot`` is the last good state where one is known.
+    ``snapshot`` is the last good state, if there is one.
     """
 
     def __init__(self, message: str, snapshot: object = None) -> None:

@@ -1,8 +1,8 @@
-"""Which required facts of a goal are unmet in a running simulation: asked at every control step, in a microsecond.
+"""The unmet facts of a goal in a running simulation, cheap enough for every control step (about a microsecond).
 
-The records are those of :func:`runtime.loop.diagnosis.diagnose_goal` without the margins, which cost a hundred times
-as much and are asked for when a record is kept. The truth is the grounder's, the failure class is the rules'; what
-either says of a pattern of truths is looked up the first time that the pattern is met.
+The records are those of :func:`runtime.loop.diagnosis.diagnose_goal` without margins, which cost a hundred times as
+much and are computed only on request. The grounder decides the truth, the rules the failure class; the result for a
+pattern of truth values is computed once and cached.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ KEPT = 4096  # patterns; a goal of a dozen facts has no more
 
 @dataclass(frozen=True, slots=True)
 class Unmet:
-    """A :class:`~runtime.loop.records.Diagnosis` whose margin nobody has asked for."""
+    """A :class:`~runtime.loop.records.Diagnosis` without a margin."""
 
     fact: Fact
     index: int
@@ -40,10 +40,10 @@ class Unmet:
 
 
 class GoalMonitor:
-    """Diagnoses one goal, again and again, in the states of its grounder's scene."""
+    """Diagnoses one goal in successive states of its grounder's scene."""
 
     def __init__(self, required: RequiredABox, grounder: SimGrounder, tables: RuleTables) -> None:
-        """``grounder`` speaks of ``required.facts``."""
+        """``grounder`` grounds ``required.facts``."""
         self._required, self._grounder, self._tables = required, grounder, tables
         self._seen: dict[bytes, tuple[Unmet, ...]] = {}
         # A margin decides between alternatives, against a threshold, and where it may contradict the truth.
@@ -74,7 +74,7 @@ class GoalMonitor:
         return satisfied(facts, self._grounder.observe(data))
 
     def diagnose(self, data: mujoco.MjData, step: int = 0) -> tuple[Diagnosis, ...]:
-        """The same with margins: the records to keep."""
+        """The same with margins, as complete records."""
         return diagnose_goal(self._required, self._grounder.observe(data, step), self._tables)
 
     def _meet(self, pattern: bytes) -> tuple[Unmet, ...]:

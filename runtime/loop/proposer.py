@@ -1,4 +1,4 @@
-"""What a proposer is given and what it gives back. A heuristic and a torch head fit the same protocol."""
+"""The interface of proposers, for heuristics and learned ones alike."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["Proposer", "Request"]
 class Request:
     """The arguments of P_r(s, A*_g, d): geometry through ``scene``, never a task name.
 
-    ``qpos`` (nq,) and ``qvel`` (nv,) are the current state. ``candidate`` counts what this route already offered for
+    ``qpos`` (nq,) and ``qvel`` (nv,) are the current state. ``candidate`` counts what this route already proposed for
     this fact in this episode. ``observe`` grounds the required facts on a scratch copy in which ``qpos`` was written.
     """
 

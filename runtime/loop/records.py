@@ -29,14 +29,14 @@ __all__ = [
 ]
 
 GIVEN = -1
-"""The index of an initial state that is none of the official ones."""
+"""The index of an initial state that is not an official one."""
 GROUNDED = "each required fact as it is grounded"
-"""The query of a verification in which no native predicate was asked."""
+"""The query of a verification without a native predicate."""
 
 
 @dataclass(frozen=True, slots=True)
 class Diagnosis:
-    """One unsatisfied required fact, kept whole: d_f = (f, c_f, m_f)."""
+    """One unsatisfied required fact: d_f = (f, c_f, m_f)."""
 
     fact: Fact
     index: int  # of the fact in the required ABox, or among its preconditions
@@ -48,11 +48,11 @@ class Diagnosis:
     source: str  # "sim" | "pred"
     rule: str  # IRI of the rule that fired
     priority: int
-    precondition: bool = False  # whether the goal asks for the fact only because another needs it first
+    precondition: bool = False  # whether the fact is a precondition of another, and not part of the goal
 
     @property
     def key(self) -> tuple[bool, int]:
-        """Which fact of its required ABox it speaks of."""
+        """The index of its fact in the required ABox."""
         return self.precondition, self.index
 
 
@@ -67,14 +67,14 @@ class RouteDecision:
     rule: str
     attempt_status: str = ""  # IRI: first, repeat or exhausted
     previous: str | None = None  # IRI of the route that was rejected or exhausted before
-    requested: str = ""  # the level at which the loop may act; empty if a trace does not say
+    requested: str = ""  # the level at which the loop may act; empty if unknown
 
 
 @dataclass(frozen=True, slots=True)
 class Proposal:
     """q = P_r(s, A*_g, d). For a state-level route: the whole ``qpos`` to write, and the addresses that it changes.
 
-    For an action-level route both are empty, and ``note`` says what the mechanism was going to do.
+    For an action-level route both are empty, and ``note`` describes the planned motion.
     """
 
     route: str
@@ -89,9 +89,9 @@ class Proposal:
 class Application:
     """What was done with a proposal: ``mode`` is "none" (a plan only retained), "state" or "controller".
 
-    A controller takes control steps of 1/20 s, and its mechanism comes to an ``end``: "completed", "out_of_steps", or
-    what it gave up for ("unreachable", "lost", "missed", "blocked", "gave_up"), with the ``reason`` in its own words.
-    Whether the fact then holds is for the verification to say.
+    A controller takes control steps of 1/20 s. Its ``end`` is "completed", "out_of_steps", or why it gave up
+    ("unreachable", "lost", "missed", "blocked", "gave_up"), with the ``reason`` as a sentence. Whether the fact then
+    holds is decided by the verification.
     """
 
     proposal: Proposal
@@ -104,9 +104,9 @@ class Application:
 
 @dataclass(frozen=True, slots=True)
 class Prediction:
-    """What a world model predicts of a proposal that was not executed, and what came of the proposal.
+    """What a world model predicts for a proposal that was not executed.
 
-    ``adopted``: whether it took the place of the best plan so far; ``evaluations``: how many candidates it cost.
+    ``adopted``: whether it replaced the best plan so far; ``evaluations``: how many candidates were evaluated.
     """
 
     observation: Observation
@@ -116,9 +116,9 @@ class Prediction:
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """The judge's answer. ``settled`` is None until somebody asked whether it still holds after settling.
+    """The judge's verdict. ``settled`` is None until the state was checked again after settling.
 
-    The judge is the native predicate, unless a person asked for grounding to judge: ``query`` is then :data:`GROUNDED`.
+    The judge is the native predicate, or, on request, grounding; ``query`` is then :data:`GROUNDED`.
     """
 
     query: str
@@ -128,7 +128,7 @@ class Verification:
 
     @property
     def judge(self) -> str:
-        """Who gave the answer: "native" or "grounding"."""
+        """The judge: "native" or "grounding"."""
         return "grounding" if self.query == GROUNDED else "native"
 
 
@@ -136,9 +136,9 @@ class Verification:
 class Attempt:
     """One turn of the loop; ``fault`` names a RunFault (a NaN, a crash), which is not an execution failure.
 
-    With neither an application nor a fault, the selected route had no candidate; with nothing ``selected``, what was
-    diagnosed was only observed, as where somebody else's policy acts. An attempt at the level of plans
-    says which ``plan`` of the episode it was to better, and what was predicted of its proposal.
+    With neither an application nor a fault, the selected route had no candidate. With nothing ``selected``, failures
+    were only observed, for example while another policy acts. An attempt at the plan level names the ``plan`` of the
+    episode that it tries to improve, and has the prediction for its proposal.
     """
 
     index: int
@@ -154,10 +154,10 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class ExecutedPlan:
-    """A plan that was executed: what was predicted of its end, and what the simulator showed of it.
+    """A plan that was executed: its predicted final state, and the simulated one.
 
-    ``diagnoses`` are the prediction's: without any the plan was retained, which is no success. ``predicted`` is None
-    where nothing was; ``planner`` is who made the plan, from ``evaluations`` candidates; it took ``steps`` control
+    ``diagnoses`` are those of the prediction; a plan without any is retained, which is not yet a success. ``predicted``
+    is None without a prediction; ``planner`` made the plan from ``evaluations`` candidates; it took ``steps`` control
     steps of 1/20 s.
     """
 
@@ -176,8 +176,8 @@ class ExecutedPlan:
 class Episode:
     """A whole run of Algorithm 1 on one task and initial state, an official one or :data:`GIVEN`.
 
-    Suite, task, initial state (its number, or the digest of what was ``given``), seed, ``trial`` and ``tags`` tell the
-    episodes of a run apart: the trial counts what was recorded again under the same names, the tags are the caller's.
+    Suite, task, initial state (its number, or the digest of a ``given`` state), seed, ``trial`` and ``tags`` identify
+    an episode in its run: the trial counts repeated recordings of the same episode, the tags are the caller's.
     ``outcome`` is one of ``retained``, ``verified``, ``accepted``, ``unresolved`` (the budget is spent),
     ``grounding_verifier_disagreement``, ``run_fault``.
     """
@@ -198,7 +198,7 @@ class Episode:
     plans: tuple[ExecutedPlan, ...] = ()  # of a run that plans before it acts
     trial: int = 0
     tags: tuple[tuple[str, str], ...] = ()  # as (key, value), by key
-    given: str = ""  # digest of an initial state that is none of the official ones, see :func:`state_digest`
+    given: str = ""  # digest of an initial state that is not an official one, see :func:`state_digest`
 
     @property
     def accepted(self) -> bool:
@@ -207,12 +207,12 @@ class Episode:
 
     @property
     def judge(self) -> str:
-        """Who judged the episode, as :attr:`Verification.judge`; "native" where nobody was asked."""
+        """The episode's judge, as :attr:`Verification.judge`; "native" if there was no verification."""
         return "native" if self.verification is None else self.verification.judge
 
     @property
     def turns(self) -> tuple[Attempt | ExecutedPlan, ...]:
-        """Attempts and plans as they came: what was tried to better a plan stands before it."""
+        """Attempts and plans in order: the attempts to improve a plan come before it."""
         found: list[Attempt | ExecutedPlan] = []
         plans = list(self.plans)
         for attempt in self.attempts:
@@ -223,10 +223,10 @@ class Episode:
 
 
 def state_digest(state: ArrayLike) -> str:
-    """What tells one given initial state from another: twelve hexadecimal digits of the SHA-256 of its doubles."""
+    """The identity of a given initial state: the first twelve hexadecimal digits of the SHA-256 of its doubles."""
     return sha256(np.ascontiguousarray(state, dtype="<f8").tobytes()).hexdigest()[:12]
 
 
 def state_name(index: int, word: str = "state") -> str:
-    """What an initial state is called: by its number, where it is an official one."""
+    """The name of an initial state: its number, if it is an official one."""
     return "a given state" if index == GIVEN else f"{word} {index}"

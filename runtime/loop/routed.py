@@ -1,6 +1,6 @@
-"""Finds what serves each route: an entry point named ``ROUTE``, or ``ROUTE.NAME`` where several serve it.
+"""Finds the implementation of each route: an entry point named ``ROUTE``, or ``ROUTE.NAME`` if there are several.
 
-Nothing is decided by the order in which packages are found: where several serve a route, one is chosen by its name.
+The order in which packages are found decides nothing: one of several is chosen by its name.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["Served", "load_routed", "serving"]
 
 @dataclass(frozen=True, slots=True)
 class Served:
-    """What serves a route: the loaded class or function, and the name that it is chosen by."""
+    """The implementation of a route: the loaded class or function, and its name."""
 
     route: str
     name: str
@@ -41,8 +41,8 @@ def serving(
 
     Raises:
         OntoError: ``code``, where an entry point cannot be loaded; ``what`` it is ("skill") stands in the sentence.
-            RUN005 if several serve a route and none is chosen; RUN006 if two bear one name; RUN008 if a
-            choice names a route or a name that there is not.
+            RUN005 if several serve a route and none is chosen; RUN006 if two have the same name; RUN008 if a
+            choice names an unknown route or implementation.
 
     """
     chosen = chosen or {}
@@ -71,7 +71,7 @@ def _load(point: EntryPoint, route: str, what: str, code: str, group: str) -> Se
 
 
 def _one(served: Sequence[Served], what: str, wanted: str | None) -> Served:
-    """The one that is wanted, or the only one."""
+    """The chosen one, or the only one."""
     route = served[0].route
     for number, one in enumerate(served):
         twin = next((other for other in served[:number] if other.name == one.name), None)

@@ -1,4 +1,4 @@
-"""Pi_R: from a diagnosis and where the loop stands to a declared route (paper, section 3). The rules decide."""
+"""Pi_R: the declared route of a diagnosis, given the status of the attempts (paper, section 3). The rules decide."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def route(
 
 
 def _missing(diagnosis: Diagnosis, schema: Schema, status: str, previous: str | None, level: str) -> OntoError:
-    """What a routing rule would have needed: a route of the level, its failure, its kind, or its successor."""
+    """What a routing rule lacks: a route of the level, its failure, its kind, or its successor."""
     failure, kind = diagnosis.failure, schema.predicates[diagnosis.fact.predicate].kind
     of = f"`{local_name(failure)}` of `{diagnosis.fact}`"
     admitting = [

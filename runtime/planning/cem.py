@@ -1,7 +1,7 @@
 """The cross-entropy method over action sequences, with coloured noise and kept elites (iCEM).
 
-The best of thousands of candidates owes some of its cost to luck, as where it just misses a wall. So what would be the
-last iteration may go into a second look at the few that came out best, each from many beginnings.
+The best of thousands of candidates is partly lucky, for example if it just misses a wall. So the evaluations of the
+last iteration may be spent on evaluating the few best candidates again, each from many sampled initial states.
 
 Sources: DINO-WM ``planning/cem.py`` for budget and form; Pinneri et al., "Sample-efficient cross-entropy method for
 real-time planning" (2020), for coloured noise, kept elites and returning the best candidate.
@@ -36,7 +36,7 @@ class Budget:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Judge:
-    """A second look: its ``cost`` of a candidate takes as many evaluations as it has ``copies``."""
+    """Evaluates candidates again: its ``cost`` of a candidate takes ``copies`` evaluations."""
 
     cost: Cost
     copies: int
@@ -44,11 +44,11 @@ class Judge:
 
 @dataclass(frozen=True, slots=True)
 class Sampling:
-    """How candidates are drawn, alike for every row of a comparison.
+    """How candidates are sampled, the same for every row of a comparison.
 
-    ``deviation`` of the first candidates, the standard deviation of actions drawn evenly from [-1, 1]; ``colour``: the
-    noise's power falls with frequency to this power; ``kept`` elites stay in the next iteration; ``momentum`` is what
-    stays of mean and deviation.
+    ``deviation`` of the first candidates, by default that of actions uniform in [-1, 1]; ``colour``: the
+    exponent with which the noise's power falls with frequency; ``kept`` elites stay in the next iteration; ``momentum``
+    is the share of the old mean and deviation that is retained.
     """
 
     deviation: float = 0.577
@@ -59,7 +59,7 @@ class Sampling:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SamplingDistribution:
-    """Where a search looks: normal around ``mean`` (T, A) with ``deviation`` (T, A)."""
+    """The sampling distribution of a search: normal with ``mean`` (T, A) and ``deviation`` (T, A)."""
 
     mean: torch.Tensor
     deviation: torch.Tensor
@@ -68,14 +68,14 @@ class SamplingDistribution:
     def everywhere(
         cls, steps: int, actions: int, sampling: Sampling, device: str | torch.device = "cpu"
     ) -> SamplingDistribution:
-        """Around no action at all."""
+        """Centred on zero actions."""
         mean = torch.zeros(steps, actions, device=device)
         return cls(mean, torch.full_like(mean, sampling.deviation))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Candidate:
-    """The best candidate ``actions`` (T, A), its ``cost``, how many were looked at, and the last ``region``."""
+    """The best candidate ``actions`` (T, A), its ``cost``, the number of evaluations, and the last ``region``."""
 
     actions: torch.Tensor
     cost: float
@@ -92,10 +92,10 @@ def search(
     known: Candidate | None = None,
     judge: Judge | None = None,
 ) -> Candidate:
-    """Minimise ``cost`` over actions in [-1, 1], beginning in ``region``; what is ``known`` competes from the start.
+    """Minimise ``cost`` over actions in [-1, 1], starting from ``region``; ``known`` candidates compete from the start.
 
-    With a ``judge`` the last iteration's evaluations go to the last elites, the middle of the last region and what is
-    known: the one that costs least in its eyes is found, and its cost is the judge's.
+    With a ``judge``, the last iteration's evaluations go to the last elites, the mean of the last region and the known
+    candidates. The result is the one that the judge finds cheapest, with the judge's cost.
     """
     rounds = budget.iterations - (judge is not None)
     if rounds < 1:

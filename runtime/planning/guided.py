@@ -1,10 +1,10 @@
 """Diagnosis-guided search: while the best plan's predicted facts miss the goal, the rules say what to try (plan level).
 
 Algorithm 1 of the paper on predictions: a plan whose facts all hold is retained, which is no success. Plans are
-compared success first: fewer facts that are false, then fewer steps, then less that margins lack of what is required,
-then less cost, as :meth:`PlanningProblem.judged` has them. So a longer plan, which takes the time
-that another look and another plan would have, must make more facts true. The controls differ in one thing: what is
-tried is drawn at random, whatever the diagnosis says.
+compared by, in this order, fewer false facts, fewer steps, smaller deficits of the margins and lower cost, as
+:meth:`PlanningProblem.judged` has them. A longer plan uses the time of another observation and another plan, so it
+must make more facts true. The control conditions differ in one thing: the mechanism is drawn at random, whatever the
+diagnosis.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ __all__ = ["MechanismTrial", "SearchResult", "improve", "standing"]
 
 LEVEL = "plan"
 _PATIENCE = 2
-"""Routes that may fail a fact before another unmet fact has its turn."""
+"""Routes that may fail for a fact before the next unmet fact is tried."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MechanismTrial:
-    """One answer to a diagnosis: whether its plan took the place of the best, and what was predicted of that plan.
+    """One attempt to improve a plan: whether its plan replaced the best one, and the prediction for it.
 
-    ``before``: what was predicted of the best plan until then, which was diagnosed.
+    ``before``: the prediction for the best plan before it, which was diagnosed.
     """
 
     before: Observation
@@ -52,7 +52,7 @@ class MechanismTrial:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SearchResult:
-    """The best plan, whether every required fact is predicted of it, and what was tried on the way."""
+    """The best plan, whether all its required facts are predicted to hold, and the attempts."""
 
     found: Candidate
     observation: Observation
@@ -71,16 +71,16 @@ def improve(
     random: torch.Generator,
     instead: Mapping[str, Mechanism] | None = None,
 ) -> SearchResult:
-    """Better ``first`` until its predicted facts hold, no route is left, or ``allowance`` evaluations are spent.
+    """Improve ``first`` until its predicted facts hold, no route is left, or ``allowance`` evaluations are spent.
 
-    A fact without evidence is left as it is: whatever plan is imagined, nothing is seen of it.
+    A fact without evidence is skipped: no predicted plan gives evidence of it.
 
-    ``mechanisms`` by the local name of their route. One of ``instead``, drawn at random, is asked in the place of what
-    the rules choose: a control of the same budget and the same rule of acceptance.
+    ``mechanisms`` are by the local name of their route. With ``instead``, one of its mechanisms is drawn at random in
+    place of the one that the rules choose: a control condition with the same budget and acceptance rule.
     """
     best, (seen, price) = first, question.judged(first)
     spent, tried = COPIES, list[MechanismTrial]()
-    refused = dict[int, list[str]]()  # of each fact, the routes that did not better the best plan
+    refused = dict[int, list[str]]()  # of each fact, the routes that did not improve the best plan
     while spent < allowance:
         found = [each for each in diagnose_goal(required, seen, knowledge.tables) if each.status != ABSENT]
         if not found:
@@ -116,13 +116,13 @@ def improve(
 
 
 def _rank(required: RequiredABox, plan: Candidate, seen: Observation, cost: float) -> tuple[int, int, float, float]:
-    """What plans are compared by, the less the better: all that is observed of them, and their cost."""
+    """The key by which plans are compared, lower is better: their observed facts, and their cost."""
     false, lacking = standing(required, seen)
     return false, len(plan.actions), lacking, cost
 
 
 def standing(required: RequiredABox, seen: Observation) -> tuple[int, float]:
-    """Of the observed facts: how many are explicitly false, and the sum of what their margins lack."""
+    """Over the observed facts: how many are explicitly false, and the sum of their margins' deficits."""
     false = evidence_status(required.facts, seen) == STATUSES.index(EXPLICITLY_FALSE)
     missing = lack(required.facts, seen)[seen.observed]
     return int(false.sum()), float(np.nansum(missing))
@@ -141,7 +141,7 @@ def _first(
     diagnosis: Diagnosis,
     random: torch.Generator,
 ) -> tuple[str, Candidate | None]:
-    """The first of ``names`` that has an answer, and the answer; the last of them without one."""
+    """The first of ``names`` with a result, and that result; the last of them if none has one."""
     name = ""
     for name in names:
         mechanism = mechanisms.get(name)

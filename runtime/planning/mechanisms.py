@@ -1,7 +1,7 @@
-"""What a typed failure of a plan is answered with: one mechanism for each plan route that the ontology declares.
+"""The mechanisms that improve a plan with a typed failure, one for each plan route that the ontology declares.
 
-Each spends about one budget of candidates (a longer horizon two, being imagined twice as far) and returns its best, or
-None if it has none to offer. The best plan so far competes within each, so that none returns a worse one.
+Each spends about one budget of candidates (the longer horizon two, as it predicts twice as many steps) and returns its
+best, or None if it has none. The best plan so far competes within each, so that none returns a worse one.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ Mechanism = Callable[[PlanningProblem, Candidate, Diagnosis, torch.Generator], C
 _NARROW = 0.2
 """Standard deviation of the candidates around a plan that is nearly right."""
 _URGENT = 1.0
-"""What a unit of a margin's lack adds to a candidate's cost; of the diagnosed one it adds twice as much."""
+"""The cost of one unit of a margin's deficit; that of the diagnosed fact counts twice."""
 _DESCENTS, _STEPS, _RATE = 16, 56, 0.05
-"""Plans that are descended at once, and for how many steps; a gradient counts as three evaluations."""
+"""Plans that are optimised at once, and the gradient steps; a gradient counts as three evaluations."""
 _OFF = 0.05
-"""Standard deviation of what actions are off by while they are descended."""
+"""Standard deviation of the noise on actions during gradient descent."""
 
 
 def resample_around_margin(
     question: PlanningProblem, best: Candidate, diagnosis: Diagnosis, random: torch.Generator
 ) -> Candidate | None:
-    """Draw candidates narrowly around the best plan, scored with what margins lack on top."""
+    """Sample candidates close to the best plan; their score includes the margins' deficits."""
     region = SamplingDistribution(best.actions, torch.full_like(best.actions, _NARROW))
     urgent = _urging(question, diagnosis)
     with torch.no_grad():
@@ -47,9 +47,9 @@ def resample_around_margin(
 def match_velocity(
     question: PlanningProblem, best: Candidate, diagnosis: Diagnosis, random: torch.Generator
 ) -> Candidate | None:
-    """Descend the gradient of cost and lack through the dynamics, from the best plan and from plans around it.
+    """Gradient descent on cost and deficits through the dynamics, from the best plan and from plans around it.
 
-    Each step is taken a little off, so that what is found is wide: where a model is wrong it is so in narrow places.
+    Noise on each step favours wide minima: a model's errors make narrow ones.
     """
     urgent = _urging(question, diagnosis)
 
@@ -93,7 +93,7 @@ def longer_horizon(
 def waypoint(
     question: PlanningProblem, best: Candidate, diagnosis: Diagnosis, random: torch.Generator
 ) -> Candidate | None:
-    """Go to the middle of the way through the free cells first, then on; None if no cell lies between."""
+    """Plan to the midpoint of the path through the free cells, then on to the goal; None if no cell is in between."""
     del diagnosis
     if question.between is None:
         return None
@@ -121,7 +121,7 @@ def waypoint(
 def again(
     question: PlanningProblem, best: Candidate, diagnosis: Diagnosis, random: torch.Generator
 ) -> Candidate | None:
-    """Search everywhere once more, whatever failed: what a guided search is compared with."""
+    """Search again without restriction, whatever failed: the baseline of guided search."""
     del diagnosis
     region = SamplingDistribution.everywhere(
         len(best.actions), question.actions, question.sampling, best.actions.device
@@ -131,9 +131,9 @@ def again(
 
 
 def _urging(question: PlanningProblem, diagnosis: Diagnosis) -> Callable[[Imagined], torch.Tensor]:
-    """The question's cost, and on top what observed margins lack of what is required, the diagnosed one's twice over.
+    """The problem's cost plus the deficits of the observed margins, that of the diagnosed fact counted twice.
 
-    Were the others left out, a plan would be bettered in one fact by giving up another.
+    Without the others, a plan would improve one fact at the expense of another.
     """
     sign, least = (torch.from_numpy(each) for each in requirement(question.grounder.facts))
     weight = _URGENT * torch.from_numpy(question.grounder.observed).float()

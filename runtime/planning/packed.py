@@ -1,10 +1,10 @@
-"""Networks whose weights lie as oneDNN wants them: the same function, in less time where MKL is slow.
+"""Networks with weights in oneDNN's layout: the same function, faster where MKL is slow.
 
-Torch gives products of 32-bit matrices to MKL, which on processors of other makers than its own uses half of their
-width; and it walks through a network layer by layer, all members at once, so that what lies between leaves the cache.
-Here each member goes through all of its layers before the next one does. A search asks one frozen network hundreds of
-times and never for a gradient, so that packing pays at once. Where a gradient is asked for, and where torch or the
-device has no such operator, the layers are as they were.
+Torch uses MKL for 32-bit matrix products, which on other makers' processors uses half of the vector width; and it
+evaluates a network layer by layer, all ensemble members at once, so that activations leave the cache. Here each member
+goes through all of its layers before the next one does. A search evaluates one frozen network hundreds of times
+without gradients, so that packing pays off at once. The original layers are used when a gradient is needed, and where
+torch or the device lacks the operator.
 """
 
 from __future__ import annotations

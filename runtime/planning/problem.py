@@ -1,4 +1,4 @@
-"""A plan's question: from where, to which goal, at what cost; and what is predicted of a candidate."""
+"""A planning problem: the initial state, the goal and the cost; and the predictions for candidates."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ _JITTER = 0.01
 
 @dataclass(frozen=True, eq=False)
 class PlanningProblem:
-    """One plan to be made; raises ``WM010`` if a number of ``history`` or ``goal`` is not finite.
+    """One planning problem; raises ``WM010`` if a number of ``history`` or ``goal`` is not finite.
 
-    The longest plan that a mechanism may make has ``longest`` macro steps. ``between`` (2,): the middle of the way that
-    the task's layout leaves from start to goal, None if it is not known or nothing lies between.
+    A plan has at most ``longest`` macro steps. ``between`` (2,): the midpoint of the path from start to goal in the
+    task's layout, None if it is unknown or nothing is in between.
     """
 
     dynamics: Dynamics
@@ -51,7 +51,7 @@ class PlanningProblem:
 
     @cached_property
     def begin(self) -> torch.Tensor:
-        """The proprioception (P,) that a plan begins with, estimated where it is not sensed."""
+        """The initial proprioception (P,), estimated where it is not sensed."""
         return self.dynamics.begin(self.history)
 
     @property
@@ -64,9 +64,9 @@ class PlanningProblem:
         return torch.Generator().manual_seed(0)
 
     def imagine(self, actions: torch.Tensor) -> Imagined:
-        """What candidates (N, T, A) lead to, all from the same beginnings; T is a multiple of the macro step.
+        """Predictions for candidates (N, T, A), all from the same initial states; T is a multiple of the macro step.
 
-        Each call draws other beginnings of the members, so that no plan lasts in a search which needs one of them.
+        Each call samples new initial states of the members, so that no plan survives a search by exploiting one.
         """
         return self._imagined(actions, self.dynamics.apart(self.begin[None], self._random))
 
@@ -80,11 +80,11 @@ class PlanningProblem:
         return self.price(self.imagine(actions))
 
     def price(self, imagined: Imagined) -> torch.Tensor:
-        """Costs (N,) of what was imagined."""
+        """Costs (N,) of predictions."""
         return self.scorer(imagined, self.goal)
 
     def judge(self, price: Callable[[Imagined], torch.Tensor] | None = None) -> Judge:
-        """A second look at candidates: the mean ``price``, the question's own where none is given, of their copies."""
+        """Evaluates candidates again: the mean ``price`` of their perturbed copies, by default the problem's cost."""
         priced = price or self.price
 
         def cost(actions: torch.Tensor) -> torch.Tensor:
@@ -93,9 +93,9 @@ class PlanningProblem:
         return Judge(cost, COPIES)
 
     def judged(self, found: Candidate) -> tuple[Observation, float]:
-        """What is predicted of a plan, and its cost, as means over it and over copies that are a little off.
+        """The predicted facts of a plan and its cost, as means over it and over slightly perturbed copies.
 
-        What holds to the last digit alone, as a bounce off a wall in the last step, does not hold.
+        So a fact that holds only for the exact actions, as after a bounce off a wall in the last step, does not hold.
         """
         with torch.no_grad():
             imagined = self._copied(found.actions[None])
@@ -106,7 +106,7 @@ class PlanningProblem:
             return mean.observation(0, step=len(found.actions)), float(self.price(imagined).mean())
 
     def _copied(self, actions: torch.Tensor) -> Imagined:
-        """What candidates (N, T, A) and copies that are a little off lead to: COPIES of the first, then of the next."""
+        """Predictions for candidates (N, T, A) and slightly perturbed copies: COPIES of the first, then of the next."""
         random = torch.Generator().manual_seed(0)  # all plans are judged by the same copies
         jitter = _JITTER * torch.randn((COPIES, *actions.shape[1:]), generator=random).to(actions)
         jitter[0] = 0.0

@@ -41,11 +41,11 @@ class Scorer(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Weights:
-    """The active terms of a score. What is 0, or not named, is not looked at.
+    """The active terms of a score. A term that is 0 or absent is not computed.
 
-    Costs: ``feature`` and ``proprio``, mean squared gaps to the goal in units of their scale; ``remaining``, metres of
-    way; ``uncertainty``, of the event head. Worth: ``success``, ``feasibility``, ``consistency``, probabilities of the
-    event head; ``margins`` and ``scores`` by predicate, in the margin's unit and as probabilities.
+    Costs: ``feature`` and ``proprio``, mean squared distances to the goal in units of their scale; ``remaining``, path
+    length in metres; ``uncertainty``, of the event head. Rewards: ``success``, ``feasibility``, ``consistency``,
+    probabilities of the event head; ``margins`` and ``scores`` by predicate, in the margin's unit and as probabilities.
     """
 
     feature: float = 0.0
@@ -77,7 +77,7 @@ class Weights:
 
     @property
     def events(self) -> bool:
-        """Whether the event head is asked."""
+        """Whether the event head is needed."""
         return any((self.remaining, self.uncertainty, self.success, self.feasibility, self.consistency))
 
 

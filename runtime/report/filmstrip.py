@@ -36,7 +36,7 @@ _INK, _PAPER = (25, 25, 25), (250, 250, 248)
 
 @dataclass(frozen=True, slots=True)
 class Shot:
-    """What is shown of an attempt: ``step`` is a place among the states that the episode went through."""
+    """A picture of an attempt to take: ``step`` is an index into the states of the episode."""
 
     attempt: int
     name: str
@@ -45,14 +45,14 @@ class Shot:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A moment and a JPEG of it."""
+    """A shot and its JPEG."""
 
     moment: Shot
     picture: bytes
 
 
 def moments(actions: Array, bounds: Sequence[int]) -> tuple[Shot, ...]:
-    """The moments of ``actions`` (n, 7), of which attempt k took those from ``bounds[k]`` to ``bounds[k + 1]``.
+    """The shots of ``actions`` (n, 7), of which attempt k took those from ``bounds[k]`` to ``bounds[k + 1]``.
 
     The grasp is the first closing of the gripper in the attempt, some steps later, when the fingers hold; the release
     is the last state before it opens again. An attempt that never closes it is shown at half its way,
@@ -111,7 +111,7 @@ def _caption(moment: Shot) -> str:
 
 
 def film_picture(episode: Episode, frames: Sequence[Frame], suffix: str) -> bytes:
-    """The strip of one frame at least as a ``.png`` or ``.jpg``: a row for each attempt, with its verdict under it."""
+    """The strip, of at least one frame, as a ``.png`` or ``.jpg``: a row for each attempt with its verdict below."""
     from PIL import Image, ImageDraw, ImageFont  # noqa: PLC0415 - comes with the simulator
 
     rows = [tuple(row) for _, row in groupby(frames, lambda frame: frame.moment.attempt)]

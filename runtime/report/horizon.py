@@ -1,4 +1,4 @@
-"""A fact's margin along a trial as a drawing: what the simulator shows, step by step, and what plans predicted."""
+"""A chart of a fact's margin along a trial: simulated step by step, and as the plans predicted it."""
 
 from __future__ import annotations
 

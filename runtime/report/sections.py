@@ -70,7 +70,7 @@ def _ratio(part: int, whole: int) -> Html:
 
 
 def modes_note(episodes: Sequence[Episode]) -> Html:
-    """Which modes of application the numbers speak of."""
+    """The modes of application that the numbers refer to."""
     used = {a.application.mode for e in episodes for a in e.attempts if a.application is not None}
     sources = {o.source for e in episodes for o in (e.initial, *(a.observation for a in e.attempts))}
     seen = {"sim": "privileged simulator state", "pred": "predictions"}
@@ -123,7 +123,7 @@ def _settled(episode: Episode) -> Html:
 
 
 def details_section(episodes: Sequence[Episode], schema: Schema) -> Html:
-    """Every episode's chain, folded away until somebody opens it."""
+    """Every episode's chain, collapsed by default."""
     return joined(_details(number, episode, schema) for number, episode in enumerate(episodes, 1))
 
 
@@ -175,7 +175,7 @@ def _figure(diagnosis: Diagnosis, episode: Episode, schema: Schema) -> Html:
 
 
 def answers_section(answers: Sequence[Answer]) -> Html:
-    """What SPARQL says of the trace, each answer with the query that gave it."""
+    """SPARQL results on the trace, each with its query."""
     blocks = []
     for answer in answers:
         title = answer.question or answer.name or "A query"

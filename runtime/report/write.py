@@ -1,4 +1,4 @@
-"""Episodes in, one self-contained HTML file out: no script, no font, no picture from elsewhere."""
+"""Writes episodes as one self-contained HTML file, without scripts or external fonts and pictures."""
 
 from __future__ import annotations
 

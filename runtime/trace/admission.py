@@ -1,7 +1,7 @@
-"""What may enter a trace: every record is held to the shapes before anything is written, and nothing is written over.
+"""Admission to a trace: every record is validated against the shapes before writing, and nothing is overwritten.
 
-An episode that came out exactly as one that is recorded under its names is not recorded again, so that a run can be
-resumed. One that came out differently stands beside it, as the next trial.
+An episode that equals the recorded one of the same names is not recorded again, so that a run can be resumed. A
+different one is recorded as the next trial.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from runtime.trace.write import episode_quads
 
 __all__ = ["admit", "is_recorded", "refuse_invalid", "tagged"]
 
-_FEW = 20  # problems that are told; one wrong number repeats itself in every record after it
+_FEW = 20  # problems that are reported; one wrong number repeats in every later record
 
 
 def admit(store: Store, validator: Validator, episode: Episode, schema: Schema, run: str) -> tuple[str, list[Quad]]:
-    """The IRI under which ``store`` is to hold ``episode``, and the statements that it does not hold already.
+    """The IRI for ``episode`` in ``store``, and the statements that the store lacks.
 
     Raises:
         OntoError: as :func:`refuse_invalid`.
@@ -43,12 +43,12 @@ def admit(store: Store, validator: Validator, episode: Episode, schema: Schema, 
 
 
 def tagged(episode: Episode, tags: Iterable[tuple[str, str]]) -> Episode:
-    """``episode`` with ``tags`` beside its own; of two values for one key the episode's own stands."""
+    """``episode`` with ``tags`` added; for a key that it has already, its own value stays."""
     return replace(episode, tags=tuple(sorted({**dict(tags), **dict(episode.tags)}.items())))
 
 
 def is_recorded(store: Store, iri: str) -> bool:
-    """Whether the episode is recorded, and thereby recorded whole."""
+    """Whether the episode is recorded; it is always recorded completely."""
     pattern = store.quads_for_pattern(node(iri), node(RDF + "type"), node(TRACE + "Episode"), None)
     return next(pattern, None) is not None
 
@@ -62,7 +62,7 @@ def _recorded(store: Store, iri: str, schema: Schema, run: str) -> set[Quad]:
 
 
 def refuse_invalid(validator: Validator, quads: Iterable[Quad]) -> None:
-    """Hold every record that ``quads`` describe to the shapes.
+    """Validate every record that ``quads`` describe against the shapes.
 
     Raises:
         OntoError: one problem for each violation (the first twenty): the shape's code, the record, what was expected.

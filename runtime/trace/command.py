@@ -1,4 +1,4 @@
-"""``onto trace``: question, list, show, explain and export recorded episodes."""
+"""``onto trace``: query, list, show, explain and export recorded episodes."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def _open(given: str | None, ontology: list[str]) -> Trace:
 
 
 def _query(options: argparse.Namespace) -> int:
-    """Ask a trace with SPARQL; all graphs are asked together, and the project's prefixes need no declaration."""
+    """Query a trace with SPARQL over all graphs together; the project's prefixes need no declaration."""
     from runtime.trace.output import query  # noqa: PLC0415 - keeps `onto --help` quick
 
     return query(options, lambda given: _open(given, options.ontology))
@@ -82,14 +82,14 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _show(options: argparse.Namespace) -> int:
-    """Tell one episode in sentences: fact, diagnosis, route, application, verification."""
+    """Print one episode in sentences: fact, diagnosis, route, application, verification."""
     from runtime.trace.output import show  # noqa: PLC0415 - keeps `onto --help` quick
 
     return show(_open(options.trace, options.ontology), options.episode, options.format, options.ontology)
 
 
 def _explain(options: argparse.Namespace) -> int:
-    """Tell one episode with the reasons: each rule with its place, and the routes that would have done as well."""
+    """Print one episode with reasons: each rule with its location, and the other eligible routes."""
     from runtime.trace.output import explain  # noqa: PLC0415 - keeps `onto --help` quick
 
     return explain(_open(options.trace, options.ontology), options.episode, options.format, options.ontology)

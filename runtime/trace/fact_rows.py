@@ -1,4 +1,4 @@
-"""The rows of JSON that speak of facts: as a state shows them, and as they are diagnosed and routed."""
+"""The JSON rows of facts: as observed in a state, and as diagnosed and routed."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class SeenFact:
-    """Fact ``index`` of an ABox and what an observation says of it; ``status`` is an IRI."""
+    """Fact ``index`` of an ABox with its observation; ``status`` is an IRI."""
 
     fact: Fact
     observation: Observation
@@ -42,7 +42,7 @@ class SeenFact:
 
     @property
     def truth(self) -> bool:
-        """Whether it was seen to hold."""
+        """Whether it was observed to hold."""
         return bool(self.observation.truth[self.index])
 
     @property
@@ -57,7 +57,7 @@ class SeenFact:
 
 
 def seen_facts(facts: Sequence[Fact], observation: Observation) -> list[SeenFact]:
-    """Each of ``facts`` with what ``observation`` says of it."""
+    """Each of ``facts`` with its ``observation``."""
     codes = evidence_status(facts, observation)
     return [SeenFact(fact, observation, i, STATUSES[codes[i]]) for i, fact in enumerate(facts)]
 

@@ -1,4 +1,4 @@
-"""Episodes as one file, without a store: every record is held to the shapes first."""
+"""Writes episodes to one file, without a store, after validating every record against the shapes."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def write_trace(
 ) -> None:
     """Write the episodes of each of ``runs``, with ``tags``, to ``path``, in the format that its ending names.
 
-    Of two episodes with the same names that came out differently the second is the next trial.
+    Of two different episodes with the same names, the second becomes the next trial.
 
     Raises:
         OntoError: as :func:`require_format`; ``TRC001`` if it cannot be written; a shape's code where a record does
@@ -59,5 +59,5 @@ def write_trace(
 
 
 def _ending(path: Path) -> str:
-    """What says how a file is written, under what packs it."""
+    """The ending that names the format, without that of the compression."""
     return Path(path.stem).suffix if path.suffix == ".gz" else path.suffix

@@ -1,4 +1,4 @@
-"""Which episode of a trace a person means: by number, by name, by a part of its name, or by IRI."""
+"""Finds an episode of a trace by number, name, part of its name, or IRI."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""IRIs of records, minted from the run and the index alone, and the individuals that stand for short words.
+"""IRIs of records, minted from run and index only, and the individuals for short words.
 
-An episode is told from others by its run, suite, task, initial state, seed, trial and tags. The same run makes the same
-graph: no IRI holds a time, a counter of the process or a random number.
+An episode is identified by its run, suite, task, initial state, seed, trial and tags. The same run makes the same
+graph: no IRI contains a time, a process counter or a random number.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def episode_iri(
     given: str = "",
     tags: Iterable[tuple[str, str]] = (),
 ) -> str:
-    """The IRI of an episode, which is also the name of its own graph: everything that tells episodes apart is in it."""
+    """The IRI of an episode, which is also the name of its own graph: it contains everything that identifies it."""
     state = f"given-{given}" if state_index == GIVEN and given else f"state-{state_index}"
     marks = "".join(f";{quote(key, safe='')}={quote(value, safe='')}" for key, value in sorted(tags))
     names = "/".join(quote(name, safe="") for name in (suite, task))

@@ -1,4 +1,4 @@
-"""An episode in sentences: which fact was unmet, what it was diagnosed as, where it was sent and what came of it."""
+"""An episode in sentences: the unmet fact, its diagnosis and route, and the result."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def outcome_sentence(episode: Episode) -> str:
 def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) -> Iterator[str]:
     """The whole episode as lines of text; a line that is indented further belongs to the one before it.
 
-    With ``reasons``, each decision is followed by what led to it.
+    With ``reasons``, each decision is followed by its reasons.
     """
     yield f"{episode.task} ({', '.join(_names(episode))})"
     if episode.required.language:
@@ -97,7 +97,7 @@ def narrate(episode: Episode, schema: Schema, reasons: Reasons | None = None) ->
 
 
 def _names(episode: Episode) -> Iterator[str]:
-    """What tells the episode from others of its task."""
+    """What distinguishes the episode from others of its task."""
     if episode.suite:
         yield episode.suite
     yield state_name(episode.state_index, "initial state") + (f" {episode.given}" if episode.given else "")
@@ -136,7 +136,7 @@ def chain(attempt: Attempt, schema: Schema, reasons: Reasons | None = None) -> I
 
 
 def _came_of(attempt: Attempt, schema: Schema) -> Iterator[str]:
-    """What became of the proposal, or why there was none."""
+    """The result of the proposal, or why there was none."""
     if attempt.prediction is not None:
         yield from _imagined(attempt, schema)
     elif attempt.application is not None:
@@ -150,7 +150,7 @@ def _came_of(attempt: Attempt, schema: Schema) -> Iterator[str]:
 
 
 def _imagined(attempt: Attempt, schema: Schema) -> Iterator[str]:
-    """What became of a proposal that was only imagined."""
+    """The result of a proposal that was only predicted."""
     prediction, application = attempt.prediction, attempt.application
     if prediction is None:
         return
@@ -168,7 +168,7 @@ def _imagined(attempt: Attempt, schema: Schema) -> Iterator[str]:
 
 
 def plan_sentences(plan: ExecutedPlan, facts: Sequence[Fact], schema: Schema) -> Iterator[str]:
-    """A plan's making and execution; each fact as it was predicted and as it came; the verdict."""
+    """How a plan was made and executed; each fact as predicted and as simulated; the verdict."""
     made = f"Plan: made by `{plan.planner}` from {plan.evaluations} candidate{'s' * (plan.evaluations != 1)}"
     executed = f", {_MODES[plan.mode]} in {plan.steps} control steps" if plan.mode == "controller" else ""
     yield f"{made}{executed}."
@@ -193,7 +193,7 @@ def _predicted_of(plan: ExecutedPlan, schema: Schema) -> str:
 
 
 def _came_true(plan: ExecutedPlan, index: int, unit: str) -> str:
-    """What was predicted of a fact, what the simulator showed of it, and whether the prediction was a mistake."""
+    """A fact as predicted and as simulated, and whether the prediction was wrong."""
     came = "holds" if plan.simulated.truth[index] else "does not hold"
     told = f"{came} in the simulator ({amount(float(plan.simulated.margin[index]), unit)})"
     if plan.predicted is None:

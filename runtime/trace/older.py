@@ -1,4 +1,4 @@
-"""What former versions wrote in another form: vectors, addresses and settings as JSON within a string."""
+"""Reads the format of former versions: vectors, addresses and settings as JSON in a string."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ __all__ = ["add_identity"]
 
 
 def add_identity(parser: argparse.ArgumentParser) -> None:
-    """What tells recorded episodes apart beside task, state and seed: ``--run`` and ``--tag``."""
+    """``--run`` and ``--tag``, which identify recorded episodes besides task, state and seed."""
     parser.add_argument("--run", metavar="NAME", help="the run that the episodes are recorded under")
     parser.add_argument(
         "--tag",

@@ -95,7 +95,7 @@ def _list_queries(shape: str) -> int:
 
 
 def listing(trace: Trace, shape: str) -> int:
-    """One line per episode, numbered in the order that ``show`` counts, with everything that tells episodes apart."""
+    """One line per episode, numbered as for ``show``, with everything that identifies it."""
     found = {row["episode"]: row for row in trace.query(_EPISODES).records()}
     rows = [_listed(number, iri, found[iri]) for number, iri in enumerate(trace.episodes(), 1)]
     if shape == "json":
@@ -119,7 +119,7 @@ def _listed(number: int, iri: str, found: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _line(row: Mapping[str, Any]) -> str:
-    """An episode's names and what came of it, in a line."""
+    """An episode's names and outcome, in one line."""
     state = "unknown" if row["state"] is None else state_name(row["state"])
     names = [f"run {row['run']}", row["suite"], f"{state} {row['given'] or ''}".strip(), f"seed {row['seed']}"]
     names += [f"trial {row['trial']}"] * bool(row["trial"]) + [row["tags"]] * bool(row["tags"])

@@ -1,7 +1,7 @@
-"""Why a loop decided as it did: the rule and where it is written, what the route admits, which routes would do as well.
+"""The reasons of a decision: the rule and its location, what the route admits, and the other eligible routes.
 
-A trace names the rules that fired; what they say is read from the ontology, so the reasons are as good as the ontology
-that is given is the one of the run.
+A trace names the rules that fired; their text comes from the ontology, so the reasons are right only if the given
+ontology is that of the run.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Reasons:
     maps: dict[Path, SourceMap] = field(default_factory=dict, repr=False)
 
     def rule(self, iri: str) -> dict[str, Any]:
-        """What a rule is called and says, and the file and line where it is written; None if that is not known."""
+        """The name and text of a rule, and its file and line; None if unknown."""
         file, line, definition = None, None, None
         path = next(iter(self._files(iri)), None)
         if path is not None:
@@ -110,7 +110,7 @@ class Reasons:
     # Sentences
 
     def of_diagnosis(self, diagnosis: Diagnosis) -> Iterator[str]:
-        """Where the fact is required, and what the rule says that named its failure."""
+        """Where the fact is required, and the text of the rule that named its failure."""
         place = _required_at(diagnosis.fact)
         least = f" with a margin of at least {diagnosis.fact.threshold:g}" if diagnosis.fact.threshold else ""
         if place is not None:
@@ -120,7 +120,7 @@ class Reasons:
         yield from self._rule(diagnosis.rule)
 
     def of_selection(self, attempt: Attempt) -> Iterator[str]:
-        """Why one of several diagnoses was the one to act on."""
+        """Why one of several diagnoses was selected."""
         others = len(attempt.diagnoses) - 1
         if not others or attempt.selected is None:
             return
@@ -192,7 +192,7 @@ def _path(graph: object) -> Path | None:
 
 
 def _shown(path: Path) -> str:
-    """A path as a person knows it: below the working folder, or within the shipped ontology."""
+    """A path relative to the working folder or to the shipped ontology."""
     for root in (Path.cwd(), ontology.ROOT.parent):
         if path.is_relative_to(root):
             return path.relative_to(root).as_posix()

@@ -1,4 +1,4 @@
-"""The JSON that the commands print of episodes and states: columns of the table of records, and what is worked out."""
+"""The JSON that the commands print for episodes and states: columns of the table of records, and derived ones."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class _Told:
 def first_diagnoses(episode: Episode) -> tuple[Diagnosis, ...]:
     """For each required fact that was ever diagnosed its first diagnosis, in the order of the required ABox.
 
-    Preconditions are left out: no observed ABox says what became of them.
+    Preconditions are left out, since no later observed ABox contains them.
     """
     found: dict[int, Diagnosis] = {}
     for attempt in episode.attempts:
@@ -243,7 +243,7 @@ def _plans(episode: Episode, schema: Schema) -> Any:  # noqa: ANN401 - a list, o
 
 
 def _setting(name: str) -> Callable[[Episode, Schema], Any]:
-    """What an episode's provenance says under ``name``."""
+    """The value of ``name`` in an episode's provenance."""
     return lambda episode, _: dict(episode.provenance).get(name, OMITTED)
 
 
@@ -300,7 +300,7 @@ def _plain(value: Any) -> Any:  # noqa: ANN401 - an object for a record
 
 
 def _told(name: str) -> Callable[[Any, Schema], Any]:
-    """What :mod:`runtime.commands.tasks` tells of a task; records as objects."""
+    """A field of a result of :mod:`runtime.commands.tasks`; records as objects."""
 
     def value(task: Any, schema: Schema) -> Any:  # noqa: ANN401 - of any field
         del schema
@@ -311,7 +311,7 @@ def _told(name: str) -> Callable[[Any, Schema], Any]:
 
 
 def _start(value: Callable[[str], Callable[[Any, Schema], Any]]) -> dict[str, Column]:
-    """How the state that is judged came about; ``value`` finds each of these by its name."""
+    """How the judged state was made; ``value`` finds each of these by its name."""
     return {
         "settle_steps": Column("integer", value("settle_steps")),
         "fixtures": Column("string", value("fixtures"), null=True),

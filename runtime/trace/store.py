@@ -54,7 +54,7 @@ class TraceStore(Closing):
         ontology: Sequence[Path | str] = (),
         tags: Iterable[tuple[str, str]] = (),
     ) -> None:
-        """Open or create the store in the folder ``path``; every episode that is added gets ``tags`` beside its own.
+        """Open or create the store in the folder ``path``; every added episode gets ``tags`` in addition to its own.
 
         Raises:
             OntoError: TRC001 if the folder cannot be written or another process has it open; SHP002 if a shape
@@ -86,7 +86,7 @@ class TraceStore(Closing):
         given: str = "",
         tags: Iterable[tuple[str, str]] = (),
     ) -> bool:
-        """Whether the run holds the episode of these names and the store's tags: what a resumed run need not repeat."""
+        """Whether the run holds the episode of these names and the store's tags; a resumed run skips it."""
         marks = (*tags, *self.tags)
         iri = episode_iri(self.run, suite, task, state_index, seed, trial, given=given, tags=marks)
         return is_recorded(self._store, iri)
@@ -94,8 +94,8 @@ class TraceStore(Closing):
     def add(self, episode: Episode) -> str:
         """Record ``episode`` in one transaction and return its IRI.
 
-        Nothing is written over: an episode that is recorded already is not recorded twice, and one that came out
-        differently under the same names stands beside it, as the next trial.
+        Nothing is overwritten: an equal episode is not recorded twice, and a different one of the same names becomes
+        the next trial.
 
         Raises:
             OntoError: TRC001 if the folder can no longer be written; a shape's code (ABX001 to ABX004, SHP001)
@@ -109,7 +109,7 @@ class TraceStore(Closing):
         return iri
 
     def query(self, sparql: str, *, name: str = "", file: str = "") -> Answer:
-        """Ask the store, all graphs together; raises as :func:`runtime.trace.sparql.ask`."""
+        """Query the store, all graphs together; raises as :func:`runtime.trace.sparql.ask`."""
         return ask(self._store, sparql, name=name, file=file)
 
     def episodes(self) -> tuple[str, ...]:
@@ -143,7 +143,7 @@ class Trace:
     _copy: tempfile.TemporaryDirectory[str] | None = field(default=None, repr=False)  # lives as long as the store
 
     def query(self, sparql: str, *, name: str = "", file: str = "") -> Answer:
-        """Ask the trace, all graphs together; raises as :func:`runtime.trace.sparql.ask`."""
+        """Query the trace, all graphs together; raises as :func:`runtime.trace.sparql.ask`."""
         return ask(self.store, sparql, name=name, file=file)
 
     def episodes(self) -> tuple[str, ...]:

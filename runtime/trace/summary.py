@@ -1,4 +1,4 @@
-"""One episode as the few facts that people ask for first: as JSON and as a row of a table."""
+"""A summary of one episode, as JSON and as a row of a table."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def episode_summary(episode: Episode, schema: Schema) -> dict[str, Any]:
 
 
 def verdict(episode: Episode) -> str:
-    """The outcome in a few words; that no native predicate was asked is one of them."""
+    """The outcome in a few words, also whether grounding was the judge."""
     text = _VERDICTS.get(episode.outcome, episode.outcome)
     return f"{text} by grounding" if episode.accepted and episode.judge == "grounding" else text
 

@@ -1,7 +1,7 @@
 """The one description of what a trace holds: per field of :mod:`runtime.loop.records` its term, form and necessity.
 
-Who adds a field adds it to its dataclass, to this table and, as a term, to ``ontology/trace.ttl``; writing, reading,
-the JSON of the commands, its JSON Schema and the SHACL shapes follow from here.
+To add a field, add it to its dataclass, to this table and, as a term, to ``ontology/trace.ttl``; writing, reading, the
+JSON of the commands, its JSON Schema and the SHACL shapes follow from this table.
 """
 
 from __future__ import annotations
@@ -349,7 +349,7 @@ class _Shared(Part):
     """A part to which others refer by number; it is read before them."""
 
     def read(self, field: Field, subject: Subject) -> Any:  # noqa: ANN401 - a record
-        """The record, which is kept for those that refer to it."""
+        """The record, stored for those that refer to it."""
         subject.shared[field.name] = found = Part.read(self, field, subject)
         return found
 

@@ -1,4 +1,4 @@
-"""The ontology as quads beside a trace, so that queries can follow superclasses, units and labels."""
+"""The ontology as quads in a trace's store, so that queries can follow superclasses, units and labels."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["holds_vocabulary", "refresh", "vocabulary"]
 
 
 def vocabulary(extra: Sequence[Path | str] = ()) -> list[Quad]:
-    """The shipped ontology and a person's own Turtle, each file in the graph that bears its ontology's IRI."""
+    """The shipped ontology and the user's own Turtle, each file in the graph named by its ontology's IRI."""
     source = load_store(extra)
     names = {
         quad.graph_name: quad.subject
@@ -35,7 +35,7 @@ def holds_vocabulary(store: Store) -> bool:
 
 
 def refresh(store: Store, extra: Sequence[Path | str] = ()) -> None:
-    """Put the ontology as it is now in the place of the one that ``store`` was created with."""
+    """Replace the ontology in ``store`` by the present one."""
     fresh = vocabulary(extra)
     headers = store.quads_for_pattern(None, node(RDF + "type"), node(OWL + "Ontology"), None)
     for graph in {quad.graph_name for quad in headers}:

@@ -1,4 +1,4 @@
-"""What the networks are trained on: trajectories, and the features of the picture at each macro step."""
+"""Training data of the networks: trajectories, and the features of the picture at each macro step."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["HORIZON", "Frames", "Piece", "encoded", "generator_of", "segments"]
 
 HORIZON = 5
-"""Macro steps of a piece that a network is trained on, as many as a plan has."""
+"""Macro steps of a training segment, as many as a plan has."""
 
 _CHUNK = 512
 
@@ -42,7 +42,7 @@ class Piece:
 class Frames:
     """``states`` (N, T + 1, P), ``actions`` (N, T, A) by environment steps; ``features`` (N, K + 1, D) by macro.
 
-    They lie in main memory, and what is drawn of them on ``device``.
+    They are in main memory; batches drawn from them are on ``device``.
     """
 
     states: NDArray[np.float32]
@@ -61,7 +61,7 @@ class Frames:
         return self.states[:, :: self.macro]
 
     def piece(self, which: Indices, mark: Indices, horizon: int = HORIZON) -> Piece:
-        """``horizon`` macro steps of the trajectories ``which`` (B,), each from its macro step of ``mark`` (B,)."""
+        """``horizon`` macro steps of the trajectories ``which`` (B,), each from macro step ``mark`` (B,)."""
         row, marks = which[:, None], mark[:, None] + np.arange(horizon + 1)
         steps = mark[:, None] * self.macro + np.arange(horizon * self.macro)
         return Piece(
@@ -91,7 +91,7 @@ class Frames:
 
 
 def generator_of(random: torch.Generator) -> np.random.Generator:
-    """A numpy generator that ``random`` decides."""
+    """A numpy generator seeded from ``random``."""
     return np.random.default_rng(int(torch.randint(2**62, (), generator=random)))
 
 
@@ -103,9 +103,9 @@ def encoded(
     source: DataclassInstance,
     log: Callable[[str], None],
 ) -> Features:
-    """Features (N, D) of the pictures that ``draw`` has of ``states`` (N, P), read from ``path`` where it has them.
+    """Features (N, D) of the pictures that ``draw`` makes of ``states`` (N, P), read from ``path`` if they are there.
 
-    ``source``, a dataclass whose values are JSON, says what the states are: features of others are made anew.
+    ``source``, a dataclass with JSON values, identifies the states: features of other states are computed again.
     ``path`` is a memory map that is filled in pieces; a JSON file beside it records the progress, from which an
     interrupted run resumes.
     """
@@ -129,7 +129,7 @@ def encoded(
 
 
 def _done(note: Path, key: str) -> int:
-    """How far the features of ``key`` are; 0 where ``note`` tells of others, or is not whole."""
+    """How many features of ``key`` are done; 0 if ``note`` is of others or is incomplete."""
     try:
         about = json.loads(note.read_text())
         return int(about["done"]) if about["key"] == key else 0
@@ -140,7 +140,7 @@ def _done(note: Path, key: str) -> int:
 def _opened(path: Path, shape: tuple[int, int]) -> np.memmap[Any, np.dtype[Any]] | None:
     """The array in ``path``; None if it is incomplete or of another shape."""
     try:
-        size = path.stat().st_size  # opened to be written to, a file that was cut off grows to its length
+        size = path.stat().st_size  # opened for writing, a truncated file would grow to its full length
         held = np.lib.format.open_memmap(path, mode="r+")
     except (OSError, ValueError):
         return None
@@ -148,6 +148,6 @@ def _opened(path: Path, shape: tuple[int, int]) -> np.memmap[Any, np.dtype[Any]]
 
 
 def segments(frames: Frames, random: np.random.Generator, count: int, horizon: int) -> tuple[Indices, Indices]:
-    """``count`` random pieces of ``horizon`` macro steps: which trajectory, and the macro step each begins at."""
+    """``count`` random segments of ``horizon`` macro steps: the trajectory and the first macro step of each."""
     trajectories, marks = frames.features.shape[:2]
     return random.integers(trajectories, size=count), random.integers(marks - horizon, size=count)

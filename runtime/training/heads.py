@@ -1,8 +1,8 @@
-"""What trains the heads: imagined and true ends of pieces of trajectories, against goals, labelled by the simulator.
+"""Training of the heads: predicted and true final states of trajectory segments, with goals, labelled by the simulator.
 
-A goal is a state of some trajectory with its picture's features, half of the time one that lies near the end, where
-the facts are decided; a picture does not show velocity, so a goal's velocity may be drawn anew. In a third of the
-batches velocity is not sensed: the heads learn to do without.
+A goal is a state of some trajectory with its picture's features, half of the time one near the final state, where the
+facts are decided; a picture does not show velocity, so a goal's velocity may be sampled again. In a third of the
+batches velocity is not sensed, so that the heads learn to do without.
 """
 
 from __future__ import annotations
@@ -34,10 +34,9 @@ Distances = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.floa
 
 @dataclass(frozen=True, slots=True)
 class LabelFunctions:
-    """The simulator's word: ``margins`` of states and goals (B, P) to (B, F), ``remaining`` metres of way to (B,).
+    """The simulator's labels: ``margins`` of states and goals (B, P) to (B, F), ``remaining`` metres of path to (B,).
 
-    ``success``, ``valid``: which columns of the margins say, by their sign, that the task succeeds and that a state is
-    valid.
+    ``success``, ``valid``: the columns of the margins whose sign says that the task succeeds and that a state is valid.
     """
 
     margins: Margins
@@ -48,7 +47,7 @@ class LabelFunctions:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RolloutEnds:
-    """Rows of a batch: what a head reads of them, and what is true of them."""
+    """Rows of a batch: the inputs of a head, and the labels."""
 
     features: torch.Tensor
     proprio: torch.Tensor
@@ -63,12 +62,12 @@ class RolloutEnds:
 
     @property
     def read(self) -> tuple[torch.Tensor, ...]:
-        """What a head is given."""
+        """The inputs of a head."""
         return self.features, self.proprio, self.goal_features, self.goal_proprio, self.spread, self.sensed
 
 
 class RolloutSampler:
-    """Draws :class:`RolloutEnds`; ``sensed`` (P,) is what is left where velocity is not sensed."""
+    """Draws :class:`RolloutEnds`; ``sensed`` (P,) is the mask of coordinates that are sensed without velocity."""
 
     def __init__(self, dynamics: Dynamics, frames: Frames, labels: LabelFunctions, sensed: torch.Tensor) -> None:
         self.dynamics, self.frames, self.labels, self.sensed = dynamics, frames, labels, sensed
@@ -78,9 +77,9 @@ class RolloutSampler:
 
     @torch.no_grad()  # type: ignore[untyped-decorator]
     def ends(self, random: np.random.Generator, count: int = _SEGMENTS, *, blind: bool | None = None) -> RolloutEnds:
-        """``count`` pieces, each with an end after every macro step: imagined by all members, and true.
+        """``count`` segments, each with an end after every macro step: predicted by all members, and true.
 
-        ``blind``: whether velocity is not sensed; drawn where it is None.
+        ``blind``: whether velocity is not sensed; random if None.
         """
         dynamics, frames = self.dynamics, self.frames
         blind = random.random() < 1 / 3 if blind is None else blind
@@ -119,7 +118,7 @@ class RolloutSampler:
     def _begin(
         self, which: NDArray[np.int64], mark: NDArray[np.int64], latest: torch.Tensor, *, blind: bool
     ) -> tuple[torch.Tensor, torch.Tensor]:
-        """The proprioception (B, P) that pieces begin with, and what of it is sensed (P,)."""
+        """The initial proprioception (B, P) of segments, and the mask of sensed coordinates (P,)."""
         if not blind:
             return latest, torch.ones_like(self.sensed)
         length = self.dynamics.history
@@ -143,7 +142,7 @@ class RolloutSampler:
 
 
 def fact_loss(head: FactHead, sampler: RolloutSampler) -> Callable[[torch.Generator], torch.Tensor]:
-    """The error of the margins, and the cross entropy of the truth that their signs tell."""
+    """The error of the margins, and the cross entropy of the truth values, which are their signs."""
 
     def loss(random: torch.Generator) -> torch.Tensor:
         ends = sampler.ends(generator_of(random))

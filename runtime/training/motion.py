@@ -1,4 +1,4 @@
-"""What trains the dynamics: the environment step, the appearance, and the estimate of what is not sensed."""
+"""Losses of the dynamics: the environment step, the appearance, and the estimate of unsensed coordinates."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _BATCH = 1024
 """Transitions of one step, for each member."""
 _SEGMENTS = 192
 _FINE = 0.1
-"""Of a coordinate's scale: the error that counts as one."""
+"""The error that counts as one, as a fraction of a coordinate's scale."""
 
 Loss = Callable[[torch.Generator], torch.Tensor]
 
@@ -38,9 +38,9 @@ def motion_loss(dynamics: Dynamics, frames: Frames) -> Loss:
 
 
 def appearance_loss(dynamics: Dynamics, frames: Frames) -> Loss:
-    """The error of the features over five macro steps, each from the features imagined before it.
+    """The error of the features over five macro steps, each predicted from the prediction before it.
 
-    The proprioception is the one that the (already trained) motion imagines, so that its errors are met here too.
+    The proprioception is the prediction of the (already trained) motion, so that its errors are included.
     """
 
     def loss(random: torch.Generator) -> torch.Tensor:
@@ -60,7 +60,7 @@ def appearance_loss(dynamics: Dynamics, frames: Frames) -> Loss:
 
 
 def estimate_loss(dynamics: Dynamics, frames: Frames, sensed: torch.Tensor) -> Loss:
-    """The error of what is estimated where only ``sensed`` (P,) is known; younger histories are among them."""
+    """The error of the estimate of coordinates that are not ``sensed`` (P,), also from short histories."""
     scale, centre = dynamics.motion.scale, dynamics.motion.centre
     hidden = ~sensed
 
@@ -78,7 +78,7 @@ def estimate_loss(dynamics: Dynamics, frames: Frames, sensed: torch.Tensor) -> L
 def histories(
     frames: Frames, random: np.random.Generator, count: int, length: int
 ) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
-    """Rows of :meth:`Frames.past`, a third of them young, and the latest state (B, P) of each."""
+    """Rows of :meth:`Frames.past`, a third of them short, and the latest state (B, P) of each."""
     which, first = segments(frames, random, count, length)
     age = np.where(random.random(count) < 1 / 3, random.integers(1, length, count), length)
     latest = first + length - 1

@@ -1,4 +1,4 @@
-"""What a training is asked for, and what trains it: a world's own function, found by entry point."""
+"""A request for training, and the world's function that carries it out, found by entry point."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ GROUP = "onto_evwm.trainings"
 
 Log = Callable[[str], None]
 Stage = Callable[[str, str, str, Log], Mapping[str, float]]
-"""Stage, command, commit and what says how far it is, to the metrics of the stage's card."""
+"""From stage, command, commit and log to the metrics of the stage's card."""
 
 
 @dataclass(frozen=True, slots=True)
 class TrainingRequest:
-    """``folder`` gets the checkpoints; None leaves a choice to the world. ``demos`` lie there already."""
+    """``folder`` is for the checkpoints, ``demos`` has existing demonstrations; None leaves a choice to the world."""
 
     folder: Path
     seed: int
@@ -31,10 +31,10 @@ class TrainingRequest:
 
 
 def trained_worlds() -> dict[str, Any]:
-    """The entry point of every world that a model can be trained of, by name; none is imported."""
+    """The entry points of all worlds with a training, by name; none is imported."""
     return {entry.name: entry for entry in sorted(entry_points(group=GROUP), key=lambda e: e.name)}
 
 
 def given(**options: Any) -> dict[str, Any]:  # noqa: ANN401 - of any type
-    """Those that are not None, so that defaults stay with what has them."""
+    """The options that are not None, so that defaults are defined in one place."""
     return {name: value for name, value in options.items() if value is not None}

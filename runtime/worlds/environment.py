@@ -1,4 +1,4 @@
-"""A task that is open in its simulator: grounded by us, written in ``state`` mode, judged by the simulator itself."""
+"""An open task: grounded by us, changed by writing its state, judged by the simulator itself."""
 
 from __future__ import annotations
 
@@ -23,14 +23,13 @@ from runtime.loop.records import GROUNDED, Application, Proposal, Verification
 
 __all__ = ["SETTLE_STEPS", "NativeState", "StateEnvironment", "TaskEnvironment", "settling"]
 
-SETTLE_STEPS = 20  # control steps of 1/20 s without motion, after which an accepted state is asked again
+SETTLE_STEPS = 20  # control steps of 1/20 s without motion before an accepted state is verified again
 
 
 def settling(state: ArrayLike | None, asked: int | None, usual: int) -> int:
-    """Control steps without motion before a start is judged: those ``asked`` for, if any.
+    """Control steps without motion before an initial state is judged: ``asked``, if it is given.
 
-    An official initial state (None) otherwise takes the world's ``usual`` ones, and one that was given is judged as it
-    is.
+    Otherwise an official initial state takes the world's ``usual`` number, and a given one is judged as it is.
     """
     if asked is not None:
         return asked
@@ -38,11 +37,11 @@ def settling(state: ArrayLike | None, asked: int | None, usual: int) -> int:
 
 
 class TaskEnvironment(Environment, Protocol):
-    """What a world opens: the loop's environment, and what an episode needs beside it."""
+    """An open task: the loop's environment, and what an episode needs in addition."""
 
     seed: int
     judge: str
-    """Who verifies: "native", the simulator itself, or "grounding", the required facts as they are grounded."""
+    """What verifies: "native", the simulator itself, or "grounding", the grounded required facts."""
 
     @property
     def model(self) -> mujoco.MjModel:
@@ -64,23 +63,23 @@ class TaskEnvironment(Environment, Protocol):
         ...
 
     def start(self, index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
-        """Go to initial state ``index``, or to a flat ``state`` (1 + nq + nv: time, qpos, qvel), and let it settle.
+        """Write initial state ``index``, or a flat ``state`` (1 + nq + nv: time, qpos, qvel), and let it settle.
 
-        Gives the number of control steps, see :func:`settling`. Raises ``SIM017`` if there is no such initial state,
-        ``SIM003``, ``SIM004`` for a state that is none of this scene, ``SIM019`` if it diverges.
+        Returns the number of control steps, see :func:`settling`. Raises ``SIM017`` if there is no such initial state,
+        ``SIM003``, ``SIM004`` for a state of another scene, ``SIM019`` if it diverges.
         """
         ...
 
     def place(self, model: str) -> None:
-        """From now on start with the fixtures as the file ``model`` has them; raises ``SIM023``."""
+        """Start all later episodes with the fixtures' poses in the file ``model``; raises ``SIM023``."""
         ...
 
     def uncertain(self) -> tuple[dict[str, Any], ...]:
-        """The required facts whose verdict in the present state hangs on where fixtures stand, were that unknown."""
+        """The required facts whose verdict in the present state depends on the fixtures' poses."""
         ...
 
     def versions(self) -> dict[str, str]:
-        """Versions of what decides a physical result, for provenance."""
+        """Versions of the packages that affect physical results, for provenance."""
         ...
 
     def close(self) -> None:
@@ -115,7 +114,7 @@ class NativeState(Protocol):
         ...
 
     def snapshot(self) -> Any:  # noqa: ANN401 - its own kind
-        """All that decides what happens next."""
+        """The complete simulation state."""
         ...
 
     def restore(self, saved: Any) -> None:  # noqa: ANN401 - as above
@@ -124,7 +123,7 @@ class NativeState(Protocol):
 
 
 class StateEnvironment(ABC):
-    """Grounds a native state, writes proposals to its ``qpos``, and asks its judge; a world adds the native one."""
+    """Grounds a native state, writes proposals to its ``qpos``, and verifies; a world adds its native judge."""
 
     judge: str = "native"
 
@@ -144,10 +143,10 @@ class StateEnvironment(ABC):
 
     @abstractmethod
     def verify_natively(self) -> Verification:
-        """Ask the simulator's own judge; raises ``SIM018`` if it cannot judge the goal."""
+        """The verdict of the simulator; raises ``SIM018`` if it cannot judge the goal."""
 
     def verify(self) -> Verification:
-        """Ask the judge; raises as :meth:`verify_natively` where that is the simulator."""
+        """The judge's verdict; raises as :meth:`verify_natively` if the judge is the simulator."""
         if self.judge == "grounding":
             return Verification(GROUNDED, not unmet(self._goal, self.observe()))
         return self.verify_natively()
@@ -178,12 +177,12 @@ class StateEnvironment(ABC):
         return np.array(self._native.data.qvel)
 
     def place(self, model: str) -> None:
-        """Refuse: in this world the seed alone places what does not move."""
+        """Refuse: in this world only the seed places the fixtures."""
         message, hint = "a model file places nothing in the world of this task", "leave out --model"
         raise OntoError.of("SIM023", message, hint, model)
 
     def uncertain(self) -> tuple[dict[str, Any], ...]:
-        """Nothing: a flat state says all there is of such a world."""
+        """Nothing: in this world a flat state is complete."""
         return ()
 
     def observe(self) -> Observation:
@@ -222,15 +221,15 @@ class StateEnvironment(ABC):
         return Application(proposal, "state", float(np.linalg.norm(proposal.qpos - start)))
 
     def settle(self, verification: Verification) -> Verification:
-        """Ask the judge again after :data:`SETTLE_STEPS` steps.
+        """Verify again after :data:`SETTLE_STEPS` steps.
 
-        Where it still accepts, the state is afterwards the one that was verified; otherwise the one that it settled to.
-        A state that diverges is given up for the one before the last proposal.
+        If it is still accepted, the verified state is restored; otherwise the settled state is kept, or the state
+        before the last proposal is restored if it diverged.
         """
         native = self._native
         verified = native.snapshot()
         native.settle(SETTLE_STEPS)
-        # MuJoCo answers a divergence with the default pose: qpos is finite then, and says nothing of the task.
+        # After a divergence MuJoCo resets to the default pose: qpos is finite, but meaningless for the task.
         diverged = native.diverged
         settled = not diverged and self.verify().outcome
         if settled:

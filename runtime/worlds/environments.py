@@ -20,13 +20,13 @@ _waiting: list[Callable[[], None]] = []
 
 
 def register(name: str, entry_point: str) -> None:
-    """Have ``gymnasium.make(name)`` make an instance of the class at ``entry_point``: now, or from its import on."""
+    """Register the class at ``entry_point`` as ``name`` with Gymnasium: now, or when Gymnasium is imported."""
     # The environments truncate themselves and need no wrapper: a horizon differs by task.
     _once_imported(lambda: sys.modules["gymnasium"].register(name, entry_point=entry_point))
 
 
 def register_worlds() -> None:
-    """Register what every installed world registers: now, or as soon as Gymnasium is imported."""
+    """Register the environments of all installed worlds: now, or when Gymnasium is imported."""
     _once_imported(_load_worlds)
 
 
@@ -47,7 +47,7 @@ def _once_imported(action: Callable[[], None]) -> None:
 
 
 class _AfterGymnasium:
-    """Finds no module itself: it has Gymnasium found by the others, and does what waits when that has been loaded."""
+    """A finder that lets the other finders import Gymnasium, and registers the waiting environments after that."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None

@@ -1,4 +1,4 @@
-"""One task and initial state in, one recorded episode out, in whichever world has the task."""
+"""Runs the correction loop on one task and initial state of any world; gives the recorded episode."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class EpisodeRunner:
     environment: TaskEnvironment
     knowledge: Knowledge
     loop: CorrectionLoop
-    placed: str = ""  # who says where the fixtures stand: "seed 3", the name of a model file; empty if nobody does
+    placed: str = ""  # the source of the fixtures' poses: "seed 3" or the name of a model file; empty without one
 
     @classmethod
     def open(
@@ -49,10 +49,9 @@ class EpisodeRunner:
         budget: int | None = None,
         judge: str = "native",
     ) -> EpisodeRunner:
-        """Build the scene of ``ref``; without ``proposers`` the world's own, without ``budget`` :data:`BUDGET`.
+        """Build the scene of ``ref``; ``proposers`` default to the world's, ``budget`` to :data:`BUDGET`.
 
-        The fixtures stand where ``seed`` places them, which is 0 where nobody says. ``judge`` is "native" or
-        "grounding", as of :class:`TaskEnvironment`.
+        ``seed`` (default 0) places the fixtures. ``judge`` is "native" or "grounding", as in :class:`TaskEnvironment`.
 
         Raises ``SIM`` and ``BDDL`` problems.
         """
@@ -133,7 +132,7 @@ class EpisodeRunner:
         )
 
     def start(self, state_index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
-        """Write the initial state and let it settle; gives the number of control steps, as the environment does.
+        """Write the initial state and let it settle; returns the number of control steps, as the environment does.
 
         Raises:
             OntoError: ``SIM017`` if the task has no such initial state; ``SIM019`` if it diverges.
@@ -141,14 +140,14 @@ class EpisodeRunner:
         return self.environment.start(state_index, state, settle=settle)
 
     def placing(self, model: str) -> EpisodeRunner:
-        """The same scene with the fixtures as the file ``model`` has them; raises ``SIM023``."""
+        """The same scene with the fixtures' poses in the file ``model``; raises ``SIM023``."""
         self.environment.place(model)
         return replace(self, placed=model)
 
     def uncertain(self, state_index: int) -> tuple[dict[str, Any], ...]:
-        """The required facts whose verdict in the present state hangs on where fixtures stand, which nobody says.
+        """The required facts whose verdict in the present state depends on unknown fixture poses.
 
-        Without any for an official state, which is meant to be judged in the scene of the seed.
+        Empty for an official state, which is judged in the scene of the seed.
         """
         return () if self.placed or state_index != GIVEN else self.environment.uncertain()
 

@@ -1,4 +1,4 @@
-"""What a state shows of the task's facts, as plain records for ``info``; fields as in ``onto diagnose``."""
+"""The observed facts of a task in one state, as plain records for ``info``; fields as in ``onto diagnose``."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class GoalReport:
-    """``success`` is whether the goal holds; ``facts`` speak of the goal; ``failures`` diagnose what of it is unmet."""
+    """``success``: whether the goal holds; ``facts``: those of the goal; ``failures``: diagnoses of its unmet facts."""
 
     observation: Observation
     success: bool
@@ -66,7 +66,7 @@ class FactReporter:
         )
 
     def premise(self, data: mujoco.MjData) -> tuple[Row, ...]:
-        """The facts that the task declares of its start, in the same form."""
+        """The task's declared initial facts, in the same form."""
         return self._rows(self._premises, self._required.premise, self._premise.observe(data))
 
     def _rows(self, constant: Sequence[Row], facts: Sequence[Fact], observation: Observation) -> tuple[Row, ...]:
@@ -76,7 +76,7 @@ class FactReporter:
         )
 
 
-# What of a row is worked out once for a scene, and what of every state.
+# The columns that are constant in a scene, and those that depend on the state.
 _KNOWN = OBSERVED.pick("predicate", "arguments", "polarity", "unit")
 _SEEN = OBSERVED.pick("truth", "satisfied", "status", "margin", "limit")
 _FAILURE = UNMET.pick("truth", "status", "margin", "limit", "failure", "route", "rule")

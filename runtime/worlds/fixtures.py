@@ -1,4 +1,4 @@
-"""Where fixtures stand, which LIBERO's flat state does not say: read from MJCF, and how far it may be wrong.
+"""Fixture poses, which LIBERO's flat state lacks: read from MJCF, and how far LIBERO may place them elsewhere.
 
 LIBERO draws the poses of fixtures (a stove, a cabinet) at every reset and writes them into the compiled model, so that
 a state of time, qpos and qvel fits several scenes. MJCF that was saved from the model, such as the attribute
@@ -32,7 +32,7 @@ _HINT = "give the MJCF that was saved from the same task, or the seed of its res
 class FixturePoses:
     """The pose of every body in its parent's frame: ``body_pos`` (nbody, 3) in metres, ``body_quat`` (nbody, 4) wxyz.
 
-    Fixtures stand on the world. What carries a free joint is placed by qpos, wherever its body is said to be.
+    Fixtures are children of the world body. A body with a free joint is placed by qpos, whatever its body pose.
     """
 
     body_pos: NDArray[np.float64]
@@ -41,7 +41,7 @@ class FixturePoses:
 
 @dataclass(frozen=True, slots=True)
 class Freedom:
-    """How far two placements of a fixture can be apart: ``shift`` in metres in the plane, ``turn`` in radians."""
+    """The largest difference of two placements of a fixture: ``shift`` in metres in the plane, ``turn`` in radians."""
 
     shift: float
     turn: float = 0.0
@@ -78,7 +78,7 @@ def fixtures_of(path: Path, model: mujoco.MjModel) -> FixturePoses:
 
 
 def freedoms(spec: TaskSpec) -> Mapping[str, Freedom]:
-    """How far LIBERO's reset may move each fixture that the task places in a region of the table or the floor."""
+    """How far LIBERO's reset may move each fixture that the task places in a region of table or floor."""
     fixtures = {declared.name for declared in spec.fixtures}
     regions = {region.site: region for region in spec.regions}
     placed = ((a.arguments[0].name, a.arguments[1].name) for a in spec.init if len(a.arguments) == 2)
@@ -98,7 +98,7 @@ def _kept(known: NDArray[np.float64], said: NDArray[np.float64]) -> NDArray[np.f
 
 
 def _skeleton(mjcf: str, file: str) -> mujoco.MjModel:
-    """The bodies of ``mjcf`` and nothing else, compiled, so that MuJoCo reads every way to write a pose."""
+    """Only the bodies of ``mjcf``, compiled, so that MuJoCo parses every notation of a pose."""
     try:
         root = ET.fromstring(mjcf)  # noqa: S314  expat limits what entities expand to, and opens no file
     except ET.ParseError as error:

@@ -1,4 +1,4 @@
-"""Flat states (time, qpos, qvel), looked at before they are written: finite, and possible in this scene."""
+"""Flat states (time, qpos, qvel), validated before writing: finite, and possible in this scene."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class FlatStates:
     """The flat states of ``model``; ``task`` names it in messages."""
 
     def __init__(self, model: mujoco.MjModel, task: str) -> None:
-        """Note where free joints keep their quaternions."""
+        """Store the addresses of the free joints' quaternions."""
         free = np.flatnonzero(model.jnt_type == mujoco.mjtJoint.mjJNT_FREE)
         self._task, self._model = task, model
         self._joints = free

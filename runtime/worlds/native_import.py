@@ -1,4 +1,4 @@
-"""What comes before the import of robosuite and what is built on it: no picture, no warning, no line on stdout."""
+"""Prepares the import of robosuite and packages built on it: no rendering, no warnings, nothing on stdout."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _LOG = logging.getLogger("onto_evwm.mujoco")
 
 
 def before_robosuite() -> None:
-    """Say what must be said before robosuite is imported; ``MUJOCO_GL`` is ``disabled`` unless it has a value."""
+    """Configure logging and rendering before robosuite is imported; ``MUJOCO_GL`` defaults to ``disabled``."""
     os.environ.setdefault("MUJOCO_GL", NO_PICTURES)
     logging.getLogger("robosuite_logs").addFilter(_not_about_macros)
     _spare_opencv()
@@ -38,9 +38,9 @@ def quiet() -> Iterator[None]:
 
 
 def _spare_opencv() -> None:
-    """Go on without OpenCV where it lacks a system library (libGL): robosuite needs it for windows, and none opens.
+    """Replace OpenCV if its system library (libGL) is missing: robosuite uses it only for windows, and opens none.
 
-    Whoever then asks it for a picture is told what to install.
+    Calling it for a picture then raises an error that says what to install.
     """
     try:
         importlib.import_module("cv2")
@@ -58,5 +58,5 @@ def _spare_opencv() -> None:
 
 
 def _not_about_macros(record: logging.LogRecord) -> bool:
-    """Drop the warning of robosuite that a file of personal settings is missing; nobody needs one."""
+    """Suppress robosuite's warning about a missing file of personal settings, which is optional."""
     return "macro" not in record.getMessage()

@@ -1,4 +1,4 @@
-"""Pictures of a state, where the machine can draw one: OpenGL through EGL or OSMesa, without a display."""
+"""Pictures of a state without a display: OpenGL through EGL or OSMesa, if the machine has one of them."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _NOT_COMPARED = ("_", "body_pos", "body_quat", "site_", "tex_data", "mesh_")  # 
 
 
 def enable() -> bool:
-    """Choose how MuJoCo draws, and say whether it can; to be called before MuJoCo is imported, which settles it.
+    """Choose MuJoCo's rendering backend; False if none works. To be called before MuJoCo is imported.
 
     A broken driver can end a process, so another process tries each backend first. A ``MUJOCO_GL`` that is set is kept.
     """
@@ -39,9 +39,9 @@ def enable() -> bool:
 
 @cache
 def backend() -> str | None:
-    """``egl`` or ``osmesa``, the first that draws here, or the one that ``MUJOCO_GL`` names; None without any.
+    """``egl`` or ``osmesa``, the first that works here, or the one that ``MUJOCO_GL`` names; None if neither works.
 
-    It does not matter whether MuJoCo was imported, or with pictures disabled.
+    It works whether or not MuJoCo was already imported, also with rendering disabled.
     """
     named = os.environ.get("MUJOCO_GL", "").lower()
     if named in _BACKENDS:
@@ -70,7 +70,7 @@ def _works(environment: dict[str, str]) -> bool:
 
 
 class Camera(Closing):
-    """Draws states of one model from a camera of its scene, without shadows and collision geometry."""
+    """Renders states of one model from a camera of its scene, without shadows and collision geometry."""
 
     def __init__(self, model: object, name: str = "agentview") -> None:
         """Set up drawing for ``model``, a ``mujoco.MjModel``; takes about a second, for the textures."""
@@ -96,10 +96,10 @@ class Camera(Closing):
         return buffer.getvalue()
 
     def draws(self, model: object) -> bool:
-        """Whether states of ``model`` may be drawn here as well: it differs in no more than where its bodies are put.
+        """Whether this camera can also render states of ``model``: it differs at most in its body poses.
 
-        A state itself says where each body is, so that their places in the model are never drawn. Of meshes and
-        textures, which are hundreds of megabytes, the names of their files and their sizes are compared.
+        A state sets every body pose, so those of the model are not used. Of meshes and textures, which are hundreds of
+        megabytes, only file names and sizes are compared.
         """
         return all(_same(getattr(self._model, name), getattr(model, name)) for name in _drawn(self._model))
 
@@ -114,20 +114,20 @@ def _drawn(model: object) -> list[str]:
 
 
 def _same(first: object, second: object) -> bool:
-    """Whether two members of models are equal; of what is neither array nor bytes nor number nothing is said."""
+    """Whether two members of models are equal; True for what is neither array, bytes nor number."""
     if isinstance(first, np.ndarray) and isinstance(second, np.ndarray):
         return np.array_equal(first, second, equal_nan=first.dtype.kind == "f")
     return first == second if isinstance(first, bytes | int) else True
 
 
 class Cameras(Closing):
-    """A camera for one scene after another: the last one again where it draws the next scene too."""
+    """A camera for successive scenes, reused if it can render the next scene too."""
 
     def __init__(self) -> None:
         self._last: Camera | None = None
 
     def of(self, model: object) -> Camera:
-        """A camera for states of ``model``, which is open until the next call."""
+        """A camera for states of ``model``, open until the next call."""
         if self._last is None or not self._last.draws(model):
             self.close()
             self._last = Camera(model)

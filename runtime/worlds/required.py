@@ -1,4 +1,4 @@
-"""From a task's file to what it requires."""
+"""From a task file to its required ABox."""
 
 from __future__ import annotations
 

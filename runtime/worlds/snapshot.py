@@ -27,7 +27,7 @@ BAD_NUMBERS = (
     mujoco.mjtWarning.mjWARN_BADQVEL,
     mujoco.mjtWarning.mjWARN_BADQACC,
 )
-# What tells scenes of equal sizes apart. Where the fixtures stand (body_pos) is a part of the state.
+# Fields that distinguish scenes of equal sizes. The fixtures' poses (body_pos) are part of the state.
 _PARTS = (
     *("body_parentid", "body_mass", "geom_bodyid", "geom_type", "geom_size", "geom_pos"),
     *("jnt_type", "jnt_bodyid", "jnt_range", "site_bodyid", "site_size", "site_pos"),
@@ -47,16 +47,16 @@ class Snapshot:
     scene: str  # the identity of the model that it is a state of
 
     def placed(self, fixtures: FixturePoses | None) -> Snapshot:
-        """The same with the fixtures where ``fixtures`` says; as it is where it says nothing."""
+        """The same with the fixtures at the poses ``fixtures``; unchanged if that is None."""
         if fixtures is None:
             return self
         return replace(self, body_pos=fixtures.body_pos, body_quat=fixtures.body_quat)
 
 
 def identity(model: mujoco.MjModel) -> str:
-    """A hash of the scene's bodies, geoms, joints and sites, their names included: of what a state speaks.
+    """A hash of the scene's bodies, geoms, joints and sites, including their names.
 
-    With textures and without, and wherever the fixtures stand, it is the same.
+    It does not depend on textures or on the fixtures' poses.
     """
     total = hashlib.blake2b(model.names[: int(model.name_siteadr[-1])], digest_size=16)
     for name in _PARTS:
@@ -110,7 +110,7 @@ def held_by(controller: Any) -> dict[str, Any]:  # noqa: ANN401  robosuite's unt
 
 
 def give_back(controller: Any, held: Mapping[str, Any]) -> None:  # noqa: ANN401  as above
-    """Write back what :func:`held_by` gave."""
+    """Restore the state that :func:`held_by` returned."""
     for name, value in held.items():
         setattr(controller, name, _copy(value))
 

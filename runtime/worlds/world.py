@@ -1,7 +1,7 @@
-"""What a world is, and which are installed: the tasks of one simulator, opened for the loop and judged natively.
+"""The protocol of a world, which is the tasks of one simulator, and the worlds that are installed.
 
-A world is an entry point of the group ``onto_evwm.worlds``. Nothing here imports a simulator: a world is loaded to say
-its suites, and its simulator only when a task is opened. One that cannot be loaded leaves the others working.
+A world is an entry point of the group ``onto_evwm.worlds``. Nothing here imports a simulator: a world is loaded to list
+its suites, its simulator only when a task is opened. A world that cannot be loaded does not affect the others.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ ANY_DOMAIN = "*"
 
 @dataclass(frozen=True, slots=True)
 class TaskRef:
-    """One task of a suite: ``index`` counts from 0 in the suite's official order; no ``suite``: a file of one's own.
+    """One task: ``index`` counts from 0 in the suite's official order; ``suite`` is empty for your own task file.
 
     ``initial_states`` is the file of official initial states, where the suite ships one.
     """
@@ -58,13 +58,13 @@ class World(Protocol):
     """The tasks of one simulator."""
 
     name: str
-    """As its entry point."""
+    """The name of its entry point."""
     title: str
-    """As sentences call it."""
+    """Its name in text."""
     level: str
-    """Where its failures are corrected: ``state``, or ``plan`` where something plans before it acts."""
+    """The level at which its failures are corrected: ``state``, or ``plan`` for a world with planners."""
     domains: Sequence[str]
-    """The BDDL domains of its task files; :data:`ANY_DOMAIN` for those that no world names."""
+    """The BDDL domains of its task files; :data:`ANY_DOMAIN` for domains that no world names."""
 
     def suites(self) -> Sequence[str]:
         """Its suites, in their official order; raises ``SIM010`` if the simulator is not installed."""
@@ -83,25 +83,25 @@ class World(Protocol):
         ...
 
     def prepare(self, ref: TaskRef, imports: Sequence[str]) -> None:
-        """Import the modules of one's own that register what the task needs; raises ``SIM024``."""
+        """Import the user's modules that register what the task needs; raises ``SIM024``."""
         ...
 
     def open(self, ref: TaskRef, required: RequiredABox, schema: Schema, seed: int) -> TaskEnvironment:
         """Build the scene of a task, judged by the simulator's own success; raises ``SIM`` problems.
 
-        ``seed`` decides what an initial state leaves open.
+        ``seed`` determines what an initial state does not.
         """
         ...
 
     def proposers(self, schema: Schema, chosen: Mapping[str, str] | None = None) -> Mapping[str, Proposer]:
-        """What proposes states, by the notation of the route that it serves; ``chosen`` has names by route.
+        """The proposers of states, by the notation of their route; ``chosen`` has names by route.
 
         Raises ``RUN010``, and ``RUN005``, ``RUN006`` or ``RUN008`` if the choice is not clear.
         """
         ...
 
     def skills(self, schema: Schema) -> Mapping[str, Any]:
-        """What acts, by the local name of its route; empty if the world has no skills. Raises ``RUN011``."""
+        """The skills by the local name of their route; empty if the world has none. Raises ``RUN011``."""
         ...
 
 
@@ -143,7 +143,7 @@ def find_task(suite: str, tasks: Sequence[TaskRef], task: int | str) -> TaskRef:
 
 
 def suites() -> tuple[str, ...]:
-    """The suites of every world that can say its own, world by world."""
+    """The suites of every world that can be loaded, world by world."""
     return tuple(suite for name in _installed() for suite in _suites_of(name))
 
 
@@ -151,8 +151,8 @@ def world_of(suite: str) -> World:
     """The world that has ``suite``.
 
     Raises:
-        OntoError: ``SIM011``, which lists the suites that there are. Where the suite is named as a world that cannot
-            be loaded, or as one without its simulator, why that is (``RUN015``, ``SIM010``).
+        OntoError: ``SIM011``, which lists the known suites; ``RUN015`` or ``SIM010`` if the suite is named like a
+        world that cannot be loaded or whose simulator is not installed.
     """
     for name in _installed():
         if suite in _suites_of(name):
@@ -169,7 +169,7 @@ def _world_of_file(path: Path) -> World:
     try:
         domain = parse_file(path).domain.lower()
     except OntoError:
-        domain = ANY_DOMAIN  # opening it says what is wrong
+        domain = ANY_DOMAIN  # opening the task reports what is wrong
     worlds: list[World] = []
     for name in _installed():
         with suppress(OntoError):  # another world may play it
@@ -191,7 +191,7 @@ def _suites_of(name: str) -> Sequence[str]:
 
 
 def _listed(name: str) -> str:
-    """A world with its suites, or with the reason why it has none."""
+    """A world with its suites, or with the reason why they cannot be listed."""
     try:
         return f"{name}: {', '.join(world_named(name).suites())}"
     except OntoError as error:

@@ -1,4 +1,4 @@
-"""The way through a maze's free cells, which a task's layout tells without any state."""
+"""The path through a maze's free cells, which depends only on its layout."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ __all__ = ["cell_way"]
 
 
 def cell_way(maze: Maze, begin: NDArray[np.floating], end: NDArray[np.floating]) -> NDArray[np.float64]:
-    """The middles (K, 2) of the cells on the shortest way from the cell of ``begin`` to that of ``end``, both included.
+    """The centres (K, 2) of the cells on the shortest path from the cell of ``begin`` to that of ``end``, inclusive.
 
-    ``begin`` and ``end`` are places (2 or more); each is taken to be in the free cell whose middle is nearest. Empty
-    where no way joins them.
+    ``begin`` and ``end`` are positions (2 or more); each counts as in the free cell whose centre is nearest. Empty if
+    no path joins them.
     """
     cells = [tuple(cell) for cell in maze.cells.tolist()]
     first, last = (_nearest(maze, place) for place in (begin, end))

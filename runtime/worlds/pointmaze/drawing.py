@@ -1,4 +1,4 @@
-"""Plans over a maze as a drawing: the ways that members of a model imagined, and the way that the ball took."""
+"""A drawing of plans in a maze: the paths that the model's members predicted, and the path of the ball."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _ARROW = 0.08
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """A plan: ``executed`` (T + 1, 4), and ``imagined`` (M, T + 1, 4), of no members where nothing was imagined."""
+    """A plan: ``executed`` (T + 1, 4), and ``imagined`` (M, T + 1, 4), with M = 0 without a model."""
 
     executed: NDArray[np.float64]
     imagined: NDArray[np.float64]

@@ -30,7 +30,7 @@ HORIZON = 100
 """Environment steps: four plans of 25."""
 _RENDERED = 224
 _FRESH, _TRIALS = 10_000, 1_000_000
-"""A reset without a seed draws a trial from the first of these numbers up to the second."""
+"""A reset without a seed draws a trial number from this range."""
 _OPTIONS = ("trial", "state", "goal")
 
 
@@ -65,7 +65,7 @@ class PointMazeEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             maze: One of :data:`runtime.worlds.pointmaze.maze.MAZES`.
             observe: ``"state"`` gives ``state`` and ``goal`` (4,): metres and metres per second; ``"pixels"`` gives
                 pictures ``pixels`` and ``goal_pixels`` (size, size, 3) instead.
-            size: Pixels of a picture, across and down.
+            size: Width and height of a picture in pixels.
             horizon: Environment steps until ``truncated``.
             terminate: Whether an episode ends with its success; otherwise it goes on to the horizon.
             render_mode: None or ``"rgb_array"``.
@@ -106,8 +106,8 @@ class PointMazeEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         """Start trial ``options["trial"]``, or from ``options["state"]`` (4,) towards ``options["goal"]`` (4,).
 
         Without either, ``seed`` s is trial s (modulo a million). Without a seed, too, the seeded generator draws a
-        trial of number 10,000 or more, which no table has. Raises ``PMZ003`` and ``PMZ004`` for what is no state,
-        ``PMZ005`` for a trial that there is none of, ``PMZ007`` for an unknown option.
+        trial of number 10,000 or more, which no table uses. Raises ``PMZ003`` and ``PMZ004`` for an invalid state,
+        ``PMZ005`` for an unknown trial, ``PMZ007`` for an unknown option.
         """
         super().reset(seed=seed)
         self._trial, start, goal = self._begin(seed, options or {})
@@ -137,7 +137,7 @@ class PointMazeEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
     def _begin(
         self, seed: int | None, options: Mapping[str, Any]
     ) -> tuple[int, NDArray[np.float64], NDArray[np.float64]]:
-        """The trial's number, -1 for states of one's own, with its start and goal."""
+        """The trial's number, -1 for states of your own, with its start and goal."""
         for name in options:
             if name not in _OPTIONS:
                 hint = near(name, _OPTIONS) or f"there are {', '.join(_OPTIONS)}"

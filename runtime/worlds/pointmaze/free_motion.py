@@ -1,9 +1,9 @@
 """The motion of the ball where it touches no wall, in closed form: MuJoCo's own arithmetic, without MuJoCo.
 
-Away from walls nothing acts on the ball but the motors and the joints' damping, which MuJoCo's Euler integrator takes
+Away from walls only the motors and the joints' damping act on the ball; MuJoCo's Euler integrator applies the damping
 at the end of a step (``mj_Euler`` with ``eulerdamp``): ``v' = v + h (F - d v) / (m + h d)``, ``x' = x + h v'``. The
-plane under the ball pushes along z, where there is no joint. The operations stand in MuJoCo's order, and the results
-are its own, bit for bit; a test holds that.
+plane under the ball pushes along z, where there is no joint. The operations are in MuJoCo's order, and the results are
+identical bit for bit, as a test checks.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class FreeMotion:
     def step(
         self, states: NDArray[np.float64], actions: NDArray[np.float64], following: NDArray[np.float64]
     ) -> NDArray[np.intp]:
-        """Write the states (B, 4) one environment step later to ``following``; return the rows that it cannot know.
+        """Write the states (B, 4) one environment step later to ``following``; return the rows that need MuJoCo.
 
         These came near a wall on the way, and their rows of ``following`` mean nothing. Velocities and actions are
         clipped already.

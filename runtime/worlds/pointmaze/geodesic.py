@@ -1,7 +1,7 @@
-"""The shortest way for the ball between two places of a maze: straight lines around the corners of its walls.
+"""The shortest path of the ball between two positions in a maze: straight lines around the corners of its walls.
 
-It is privileged: it knows the walls. It labels the training of heads that must judge from features how far the target
-is, and bounds what a planner on the true dynamics can do.
+It is privileged, as it uses the walls. It labels the training data of heads that predict the distance to the target
+from features, and scores the planner on the true dynamics.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _CHUNK = 20_000
 
 
 class Geodesic:
-    """Distances of ``maze`` for the ball's middle, walls grown by its radius; corners stay square."""
+    """Distances in ``maze`` for the ball's centre, with walls grown by its radius; corners stay square."""
 
     def __init__(self, maze: Maze) -> None:
         grown = RADIUS - _SLACK

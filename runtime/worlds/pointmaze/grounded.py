@@ -1,4 +1,4 @@
-"""A maze's task as typed facts: what it requires, and what states show of it.
+"""A maze's task as typed facts: the required ones, and their grounding in states.
 
 One state is grounded as any scene is, by :class:`grounding.sim.SimGrounder` on MuJoCo's arrays. Thousands of states, to
 label training data with, are grounded at once by the same arithmetic (:meth:`MazeFacts.label`).
@@ -35,12 +35,12 @@ Margin: TypeAlias = Callable[[NDArray[np.float64], NDArray[np.float64], NDArray[
 
 
 def task_file() -> Path:
-    """The task that the published trials are of: ball at target, at its velocity, in no wall."""
+    """The task of the published trials: ball at the target, at its velocity, in no wall."""
     return _TASKS / "u_maze.bddl"
 
 
 def required_facts(knowledge: Knowledge, path: Path | None = None) -> RequiredABox:
-    """What the task file at ``path`` requires; :func:`task_file` without one. Raises as ``onto compile`` does."""
+    """The required ABox of the task file at ``path``, by default :func:`task_file`. Raises as ``onto compile``."""
     found = task_file() if path is None else path
     # Named as in its package, so that the same run makes the same trace everywhere.
     spec = parse_file(found) if path else parse(found.read_text(encoding="utf-8"), f"pointmaze/{found.name}")
@@ -48,7 +48,7 @@ def required_facts(knowledge: Knowledge, path: Path | None = None) -> RequiredAB
 
 
 def place(data: mujoco.MjData, maze: Maze, state: NDArray[np.floating], goal: NDArray[np.floating]) -> None:
-    """Write a state (4,) and a goal (4,) to ``data`` of the maze's model, and work out its poses."""
+    """Write a state (4,) and a goal (4,) to ``data`` of the maze's model, and compute its poses."""
     here, there = checked_states(state), checked_states(goal)
     address = target_address(maze.model, TARGET)
     data.qpos[:], data.qvel[:] = here[:2], here[2:]

@@ -50,7 +50,7 @@ MAX_SPEED = 5.0
 SUCCESS_RADIUS = 0.5
 """A trial succeeds when the ball is nearer than this to the goal, metres."""
 BALL, TARGET, WALL = "ball", "target", "wall"
-"""What task files call the things of a maze; the body of each is ``NAME_main``, as in LIBERO's scenes."""
+"""The names of a maze's objects in task files; the body of each is ``NAME_main``, as in LIBERO's scenes."""
 
 _ORIGIN = 1.2
 """Where the ball's body stands in the world, in x and in y: what a state's position is counted from."""
@@ -110,7 +110,7 @@ class Maze:
         return (*(low[0] - _HALF).tolist(), *(high[0] + _HALF).tolist())
 
     def clearance(self, xy: NDArray[np.floating]) -> NDArray[np.float64]:
-        """Signed room between the ball's surface and the nearest wall, metres: (..., 2) or states (..., 4) to (...).
+        """Signed distance of the ball's surface to the nearest wall, metres: (..., 2) or states (..., 4) to (...).
 
         Negative where the ball overlaps a wall; what lies outside of the layout is wall. Exact on both sides: a
         centre in a wall is as far from free space as it is.
@@ -138,7 +138,7 @@ class Maze:
 
     @property
     def model(self) -> mujoco.MjModel:
-        """The compiled model, one for all who ask for this maze: read it, and leave it as it is."""
+        """The compiled model, shared by all users of this maze: do not modify it."""
         return _compiled(self)
 
 
@@ -226,6 +226,6 @@ def _distance(points: NDArray[np.float64], boxes: NDArray[np.float64]) -> NDArra
 
 
 def _depth(points: NDArray[np.float64], extent: tuple[float, float, float, float]) -> NDArray[np.float64]:
-    """How far within the layout each of ``points`` is: what is outside has no more to lose than 0."""
+    """How far inside the layout each of ``points`` is; 0 outside."""
     low, high = np.array(extent[:2]), np.array(extent[2:])
     return np.asarray(np.maximum(np.minimum(points - low, high - points).min(axis=-1), 0.0))

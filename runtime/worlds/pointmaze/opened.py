@@ -46,7 +46,7 @@ class _MazeState:
         write_qpos(self.model, self.data, qpos, self.maze.name)
 
     def settle(self, steps: int) -> None:
-        """A maze is judged as it is: its ball has a velocity that it is to have."""
+        """A maze is judged without settling, since the ball's velocity is part of the goal."""
 
     def snapshot(self) -> NDArray[np.float64]:
         saved = np.empty(mujoco.mj_stateSize(self.model, _FULL))
@@ -82,8 +82,8 @@ class OpenMaze(StateEnvironment):
     def start(self, index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
         """Trial ``index``; or a flat ``state`` (5,: time, x, y, vx, vy) towards the goal of trial 0.
 
-        Nothing settles there, whatever ``settle`` asks for. Raises ``SIM017`` if there is no such trial,
-        ``SIM003``, ``SIM004`` for what is no state.
+        A maze does not settle; ``settle`` is ignored. Raises ``SIM017`` if there is no such trial,
+        ``SIM003``, ``SIM004`` for an invalid state.
         """
         del settle
         if state is None and not 0 <= index < PUBLISHED:
@@ -100,11 +100,11 @@ class OpenMaze(StateEnvironment):
         raise OntoError.of("SIM023", "a model file places nothing in a maze", "leave out --model", model)
 
     def uncertain(self) -> tuple[dict[str, Any], ...]:
-        """Nothing: a state says all there is."""
+        """Nothing: a state of the maze is complete."""
         return ()
 
     def versions(self) -> dict[str, str]:
-        """Versions of what decides a physical result."""
+        """Versions of the packages that affect physical results."""
         found = {name: version_of(name) for name in ("onto-evwm", "mujoco", "numpy")}
         return {name: version for name, version in found.items() if version is not None}
 

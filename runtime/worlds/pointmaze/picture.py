@@ -1,8 +1,8 @@
-"""Pictures of the maze from above, drawn by hand: what upstream's camera shows, without OpenGL.
+"""Pictures of the maze from above, as upstream's camera shows it, rendered without OpenGL.
 
 Colours and sizes are those of upstream's scene: a checkered plane, brown walls, and the site of radius 0.2 around the
-ball, which is what is seen of it. The target is off, as in DINO-WM's data. x runs to the right and y upwards; the
-layout fills the picture. The disc's edge is smooth, so that its place can be read more finely than a pixel.
+ball, which covers it. The target is hidden, as in DINO-WM's data. x runs to the right and y upwards; the layout fills
+the picture. The disc's edge is antialiased, so that its position can be read with subpixel accuracy.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ __all__ = ["SIZE", "draw"]
 SIZE = 64
 """Pixels, across and down."""
 _DISC = 0.2
-"""Of what is drawn for the ball, metres."""
+"""Radius of the disc drawn for the ball, metres."""
 _BALL = np.array([0.3, 0.6, 0.3]) * 255
 _WALL = np.array([0.7, 0.5, 0.3]) * 255
 _GROUND = np.array([[0.2, 0.3, 0.4], [0.1, 0.2, 0.3]]) * 255

@@ -1,4 +1,4 @@
-"""The true dynamics of a maze over many states at once: what a planner's ceiling and the training data come from.
+"""The true dynamics of a maze for many states at once, for training data and the planner on the true dynamics.
 
 One environment step clips each velocity to :data:`~runtime.worlds.pointmaze.maze.MAX_SPEED`, holds a force for
 :data:`~runtime.worlds.pointmaze.maze.FRAME_SKIP` steps of MuJoCo, and is a function of state and action alone: the

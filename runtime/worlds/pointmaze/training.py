@@ -40,11 +40,11 @@ from runtime.worlds.pointmaze.trajectories import Split, Trajectories, collect
 __all__ = ["MazeTrainingConfig", "stages", "train"]
 
 _TEST = 200
-"""Trajectories of the test split, which the figures on a card are measured on."""
+"""Trajectories of the test split, on which a card's metrics are measured."""
 
 
 def stages(asked: TrainingRequest) -> Stage:
-    """What trains the stages that are ``asked`` for; raises ``CLI002`` for demonstrations, which a maze has none of."""
+    """The training of the request ``asked``; raises ``CLI002`` for options about demonstrations."""
     if asked.demos is not None or asked.count is not None:
         raise OntoError.of("CLI002", "`pointmaze` has no demonstrations to choose", "leave --demos and --count out")
     config = MazeTrainingConfig(seed=asked.seed, **given(encoder=asked.encoder))
@@ -173,7 +173,7 @@ def _facts(config: MazeTrainingConfig, place: TrainingDir, card: Card, log: Log)
 def _for_heads(
     config: MazeTrainingConfig, place: TrainingDir, split: Split, card: Card, log: Log
 ) -> tuple[RolloutSampler, dict[str, Any], Card]:
-    """What draws a head's batches, what builds a head, and a card that names what it was trained on."""
+    """The batch sampler of a head, its parameters, and a card with its training data."""
     seen, network, found = load_dynamics(place.folder, place.device)
     knowledge = load_knowledge()
     facts = MazeFacts(maze_named(config.maze), required_facts(knowledge), knowledge)
@@ -194,14 +194,14 @@ def _for_heads(
 
 
 def _tested(config: MazeTrainingConfig, place: TrainingDir, log: Log) -> RolloutEnds:
-    """Ends of the test split, all sensed."""
+    """Ends of the test split, with velocity sensed."""
     sampler, _, _ = _for_heads(config, place, "test", Card(""), log)
     ends: RolloutEnds = sampler.ends(np.random.default_rng(config.seed), 2000, blind=False)
     return ends
 
 
 def _imagining(network: Dynamics, frames: Frames) -> dict[str, float]:
-    """The errors of five macro steps from every fifth mark of ``frames``, each member counted."""
+    """The errors of predictions of five macro steps from every fifth mark of ``frames``, over all members."""
     marks = np.arange(0, frames.features.shape[1] - HORIZON, HORIZON)
     count = len(frames.states)
     piece = frames.piece(np.repeat(np.arange(count), len(marks)), np.tile(marks, count))

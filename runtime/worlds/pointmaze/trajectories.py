@@ -1,4 +1,4 @@
-"""Training data of the maze: random actions from random states, decided by split, seed and number alone.
+"""Training data of the maze: random actions from random states, determined by split, seed and number only.
 
 DINO-WM trains on 2,000 random trajectories of 100 environment steps, and does not publish what drew their actions. Here
 each trajectory starts anywhere in the free cells at any velocity of the published range, and draws a persistence and a
@@ -26,11 +26,11 @@ __all__ = ["Split", "Trajectories", "TrajectoryConfig", "collect", "load"]
 
 Split = Literal["train", "validation", "test"]
 _TAG = 0x0D1A0
-"""Stands before split and seed, so that no seed of a trial or of a planner draws the same numbers."""
+"""Prefix of split and seed, so that no trial or planner draws the same numbers."""
 _SPEED = 5.2262554
 """The greatest velocity of a start, either way, metres per second: that of the published states."""
 _PERSISTENCE = (0.0, 0.5, 0.8, 0.95)
-"""How much of one action stays in the next."""
+"""The range of the correlation of successive actions."""
 _STRENGTH = (0.3, 1.0)
 """The range of an action's standard deviation, before it is clipped to [-1, 1]."""
 _CHUNK = 500
@@ -39,7 +39,7 @@ _CHUNK = 500
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryConfig:
-    """What decides trajectories, every number of them."""
+    """Everything that determines trajectories."""
 
     maze: str
     split: Split

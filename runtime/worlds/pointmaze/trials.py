@@ -41,7 +41,7 @@ class Trial:
 
     @property
     def seed(self) -> int:
-        """What it is drawn from."""
+        """The seed that it is drawn from."""
         return trial_seed(self.number)
 
 

@@ -1,4 +1,4 @@
-"""A task of robosuite as an open task: grounded by us, judged by robosuite's ``_check_success``."""
+"""An open robosuite task: grounded by us, judged by robosuite's ``_check_success``."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class RobosuiteEnvironment(StateEnvironment):
         self.seed = seed
 
     def verify_natively(self) -> Verification:
-        """Ask robosuite."""
+        """Robosuite's verdict."""
         return Verification("_check_success()", self.task.success())
 
     def start(self, index: int, state: ArrayLike | None = None, *, settle: int | None = None) -> int:
@@ -48,7 +48,7 @@ class RobosuiteEnvironment(StateEnvironment):
         return steps
 
     def versions(self) -> dict[str, str]:
-        """Versions of what decides a physical result."""
+        """Versions of the packages that affect physical results."""
         return versions()
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""A task of robosuite in its own environment, without pictures: built, reset, stepped, and asked for success."""
+"""A robosuite task in its own environment, without pictures: built, reset, stepped, and verified."""
 
 from __future__ import annotations
 
@@ -128,7 +128,7 @@ class RobosuiteTask:
 
     @property
     def diverged(self) -> bool:
-        """Whether MuJoCo met a bad number since the last reset or restore."""
+        """Whether the simulation diverged since the last reset or restore."""
         return any(self.data.warning[kind].number > 0 for kind in BAD_NUMBERS)
 
     def write_qpos(self, qpos: ArrayLike) -> None:
@@ -136,7 +136,7 @@ class RobosuiteTask:
         write_qpos(self.model, self.data, qpos, self.spec.problem)
 
     def snapshot(self) -> Snapshot:
-        """All that decides what happens next."""
+        """The complete simulation state."""
         return snapshot.take(self.env)
 
     def restore(self, saved: Snapshot) -> None:
@@ -180,6 +180,6 @@ def _add_site(world: Any, region: Region) -> None:  # noqa: ANN401  an XML eleme
 
 
 def versions() -> dict[str, str]:
-    """Versions of what decides a physical result, for provenance."""
+    """Versions of the packages that affect physical results, for provenance."""
     found = {"python": platform.python_version(), "mujoco": mujoco.__version__, "numpy": np.__version__}
     return found | {name: version(name) for name in ("onto-evwm", "robosuite")}

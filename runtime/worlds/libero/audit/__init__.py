@@ -1,1 +1,1 @@
-"""Is a scene what its task says? Premise failures of a task's initial states, measured and typed."""
+"""Whether a scene matches its task: premise failures of a task's initial states, measured and typed."""

@@ -1,7 +1,7 @@
-"""Audited tasks on disk, one file each, so that an audit goes on where it stopped.
+"""Audited tasks on disk, one file each, so that an interrupted audit can be resumed.
 
-A file's name is a hash of all that decides what it says: task file, initial states, seed, assets, ontology, the
-versions of what simulates, and the sources of what measures. A file that cannot be read counts as none.
+A file's name is a hash of everything that affects the result: task file, initial states, seed, assets, ontology,
+versions of the simulator's packages, and sources of the measures. An unreadable file is ignored.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _SOURCES = ("grounding", "runtime/worlds/libero/audit", "runtime/worlds/libero/s
 
 
 class AuditCache:
-    """Task audits below ``folder``; None keeps nothing."""
+    """Task audits in ``folder``; None disables the cache."""
 
     def __init__(self, folder: Path | None, extra: Sequence[str | Path], seed: int) -> None:
         self._folder = None if folder is None else folder / "audits"
@@ -39,7 +39,7 @@ class AuditCache:
         self._base += "".join(f" {name}={version_of(name)}" for name in PACKAGES)
 
     def load(self, ref: TaskRef) -> TaskAudit | None:
-        """What was found of ``ref`` before, in all the states that were audited; or None."""
+        """The cached audit of ``ref``, with all the states that were audited; or None."""
         if self._folder is None:
             return None
         path = self._path(ref)
@@ -52,7 +52,7 @@ class AuditCache:
             return None
 
     def save(self, ref: TaskRef, task: TaskAudit) -> None:
-        """Keep ``task``; a folder that cannot be written is reported in the log, and nothing is kept."""
+        """Store ``task``; a folder that cannot be written is reported in the log."""
         if self._folder is None or not task.states:
             return
         path = self._path(ref)

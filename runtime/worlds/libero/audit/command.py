@@ -1,4 +1,4 @@
-"""``onto audit``: whether each scene is what its task says."""
+"""``onto audit``: whether each scene matches its task."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def _refs(options: argparse.Namespace) -> list[TaskRef]:
 
 
 def _arguments(options: argparse.Namespace) -> list[str]:
-    """The command line that asks another interpreter for the same audit."""
+    """The command line for the same audit in another interpreter."""
     words = ["audit", *(word for word in (options.suite, options.task) if word is not None)]
     for name in ("states", "tasks", "seed", "jobs", "out", "cache", "format"):
         value = getattr(options, name)
@@ -132,7 +132,7 @@ def _diff(options: argparse.Namespace) -> int:
 
 AUDIT = Command(
     name="audit",
-    help="Tell whether each scene is what its task says: initial facts, goal, motion while settling, overlap.",
+    help="Check whether each scene matches its task: initial facts, goal, motion while settling, overlap.",
     example="onto audit libero_spatial 5 --states 10",
     configure=_configure,
     run=_run,

@@ -1,4 +1,4 @@
-"""Two audits beside each other: which initial states gained or lost a premise failure, and by how much."""
+"""Compare two audits: which initial states gained or lost a premise failure, and by how much."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Audit many tasks over processes; what was audited before, under the same everything, is not audited again."""
+"""Audit many tasks in parallel processes; cached audits are not repeated."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["AuditPlan", "kinds_of", "run_audit"]
 
 @dataclass(frozen=True, slots=True)
 class AuditPlan:
-    """What every task is audited with: how many ``states`` (None: all), which ontology, and where it is kept."""
+    """The settings of all task audits: how many ``states`` (None: all), the ontology, and the cache."""
 
     states: int | None = None
     seed: int = 0
@@ -31,7 +31,7 @@ class AuditPlan:
 
 
 def run_audit(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int, tick: Callable[[TaskAudit], None]) -> Audit:
-    """Audit ``refs`` in their order, with at most ``jobs`` processes; ``tick`` is told of each as it is done.
+    """Audit ``refs`` in their order, with at most ``jobs`` processes; ``tick`` is called with each when it is done.
 
     Raises:
         OntoError: TTL and ``RUN020`` if the ontology cannot be used. A task that cannot be audited is a finding.
@@ -64,7 +64,7 @@ def _all(refs: Sequence[TaskRef], plan: AuditPlan, jobs: int) -> Iterator[tuple[
             del left[ref]
             yield ref, task
     except WorkerDiedError:
-        # One task took its process down and the others with it: the rest run alone, and it is known which one it was.
+        # One task crashed its process, which ended the pool: run the rest one at a time, to know which it was.
         for ref in left:
             yield ref, _alone(ref, plan)
 
@@ -79,7 +79,7 @@ def _alone(ref: TaskRef, plan: AuditPlan) -> TaskAudit:
 
 
 def _known(ref: TaskRef, plan: AuditPlan, cache: AuditCache) -> TaskAudit | None:
-    """The audit of ``ref`` as far as ``plan`` asks for, where all of it was kept."""
+    """The cached audit of ``ref``, if it has all the states that ``plan`` needs."""
     known = cache.load(ref)
     if known is None or len(known.states) < min(plan.states or known.available, known.available):
         return None

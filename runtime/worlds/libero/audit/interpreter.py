@@ -12,7 +12,7 @@ from onto_compiler.versions import version_of
 
 __all__ = ["run_elsewhere"]
 
-# -P: the folder that we stand in is not searched for packages, so that what runs is what is installed there.
+# -P: do not import from the working folder, so that the installed packages run.
 _ASK = """
 import importlib.metadata as m, json
 def v(name):
@@ -24,9 +24,9 @@ _RUN = "import sys; from runtime.cli import main; sys.exit(main())"
 
 
 def run_elsewhere(python: str, arguments: Sequence[str], *, quiet: bool = False) -> int:
-    """Run ``onto`` with ``arguments`` in the environment of the interpreter ``python``; gives its exit code.
+    """Run ``onto`` with ``arguments`` in the environment of the interpreter ``python``; returns its exit code.
 
-    What it prints, it prints to our own streams, or with ``quiet`` to none. Raises ``RUN021`` if ``python`` does not
+    Its output goes to our own streams, or with ``quiet`` to none. Raises ``RUN021`` if ``python`` does not
     start, or where its environment lacks the version of onto-evwm that runs here.
     """
     ours = version_of("onto-evwm")
@@ -61,5 +61,5 @@ def _versions(python: str) -> tuple[str | None, str | None]:
 
 
 def _environment() -> dict[str, str]:
-    """Ours, without what would lead the other interpreter to our packages."""
+    """Our environment variables without those that would make the other interpreter import our packages."""
     return {name: value for name, value in os.environ.items() if name not in {"PYTHONPATH", "PYTHONHOME"}}

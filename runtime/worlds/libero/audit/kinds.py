@@ -1,4 +1,4 @@
-"""The kinds of premise failure, as the ontology declares them: which measure shows one, and how much is tolerated."""
+"""The kinds of premise failure, as declared in the ontology: the measure of each, and its tolerance."""
 
 from __future__ import annotations
 

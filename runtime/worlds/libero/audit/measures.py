@@ -1,6 +1,6 @@
-"""Registered measures: each turns what a scene showed before and after settling into readings by subject.
+"""Registered measures: each turns the scene's states before and after settling into readings by subject.
 
-The ontology says which reading is a failure. A measure whose kind tolerates nothing decides itself (``holds``).
+The ontology says which reading is a failure. A measure whose kind has no tolerance decides itself (``holds``).
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ __all__ = ["DECIDING", "MEASURES", "Reading", "StateEvidence"]
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What one measure shows of ``subject``.
+    """The value of one measure for ``subject``.
 
-    ``value`` is a size, and the kind of failure says how much is tolerated; or, where ``holds`` is not None, a signed
-    margin, positive when satisfied. ``fact`` is the index of the fact that it speaks of, ``limit`` the deciding term.
+    ``value`` is a magnitude, for which the kind of failure has a tolerance; or, if ``holds`` is not None, a signed
+    margin, positive when satisfied. ``fact`` is the index of its fact, ``limit`` the deciding term.
     """
 
     subject: str
@@ -41,7 +41,7 @@ class Reading:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StateEvidence:
-    """One initial state: what the scene shows when it is set, and after settling; and the facts observed then.
+    """One initial state: the scene when it is set and after settling, and the facts observed after settling.
 
     ``premise`` and ``goal`` are aligned with those facts of ``required``, which are all that can be grounded.
     """
@@ -61,7 +61,7 @@ def _displacement(stage: StateEvidence) -> Iterator[Reading]:
 
 
 def _fall(stage: StateEvidence) -> Iterator[Reading]:
-    """Metres that the origin came down; negative where it rose."""
+    """Metres by which the origin fell; negative if it rose."""
     for name, (before, _, after, _) in _poses(stage):
         yield Reading(name, float(before[2] - after[2]))
 
@@ -120,7 +120,7 @@ def _initial_fact(stage: StateEvidence) -> Iterator[Reading]:
 
 
 def _goal(stage: StateEvidence) -> Iterator[Reading]:
-    """Minus the smallest margin of the nearest way to the goal: what is lacking for it not to hold already."""
+    """Minus the smallest margin of the nearest alternative of the goal: positive while the goal does not hold yet."""
     facts, observation = stage.required.facts, stage.goal
     way = by_distance(stage.required, observation)[0]
     margins = surplus(facts, observation)
@@ -154,4 +154,4 @@ MEASURES: Mapping[str, Callable[[StateEvidence], Iterator[Reading]]] = {
 }
 """By name, as ``audit:measuredBy`` gives it."""
 DECIDING = frozenset({"goal", "initial_fact"})
-"""Those that decide themselves whether a reading is a failure."""
+"""The measures that decide themselves whether a reading is a failure."""

@@ -1,4 +1,4 @@
-"""What an audit found, as it is kept and compared: tasks, their initial states, readings and typed failures."""
+"""The records of an audit: tasks, their initial states, readings and typed failures."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Readings = Mapping[str, Mapping[str, float | None]]
 class Failure:
     """One premise failure. ``margin`` is negative, in ``unit``; None if the predicate defines none.
 
-    ``failure`` is what the diagnosis rules call an unmet fact, ``limit`` the term that decided it.
+    ``failure`` is the diagnosed class of an unmet fact, ``limit`` the term that decided it.
     """
 
     kind: str
@@ -34,7 +34,7 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Why a task or a state could not be audited, or a fact of it not be grounded: a problem's code, sentence, hint."""
+    """Why a task or state could not be audited, or a fact not be grounded: code, message and hint of a problem."""
 
     code: str
     message: str
@@ -43,7 +43,7 @@ class Fault:
 
 @dataclass(frozen=True, slots=True)
 class StateAudit:
-    """``readings`` by measure and subject; a size of zero is left out, and None is a margin that is not defined."""
+    """``readings`` by measure and subject; magnitudes of zero are left out, and None is an undefined margin."""
 
     state: int
     failures: tuple[Failure, ...] = ()
@@ -55,7 +55,7 @@ class StateAudit:
 class TaskAudit:
     """``available`` counts the initial states that there are.
 
-    ``official`` is False if the suite ships none, and the seeded reset stands for one.
+    ``official`` is False if the suite ships none; the seeded reset is then the only one.
     """
 
     suite: str

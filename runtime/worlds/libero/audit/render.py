@@ -15,7 +15,7 @@ __all__ = ["audit_text", "changes_text", "ranges"]
 
 
 def audit_text(audit: Audit) -> str:
-    """Each task with a finding, its findings by kind and subject, and a sum; tasks with one fault are told at once."""
+    """Each task with a finding, its findings by kind and subject, and a summary; tasks with the same fault together."""
     lines = [line for tasks in _alike(audit.tasks) for line in _lines(tasks)]
     states = sum(len(task.states) for task in audit.tasks)
     odd = sum(bool(state.failures) for task in audit.tasks for state in task.states)
@@ -26,7 +26,7 @@ def audit_text(audit: Audit) -> str:
 
 
 def _alike(tasks: Sequence[TaskAudit]) -> list[list[TaskAudit]]:
-    """Tasks of a suite that could not be built for one reason together, each other task by itself."""
+    """Groups the tasks of a suite that could not be built for the same reason; every other task is alone."""
     groups: dict[object, list[TaskAudit]] = defaultdict(list)
     for task in tasks:
         groups[(task.suite, task.faults) if task.faults and not task.states else id(task)].append(task)
@@ -87,7 +87,7 @@ def ranges(numbers: Sequence[int]) -> str:
 
 
 def changes_text(changes: Sequence[AuditChange], first: Audit, second: Audit) -> str:
-    """What the second audit finds that the first does not, and the other way round."""
+    """The findings that only one of the two audits has."""
     names = sorted({*first.versions, *second.versions})
     lines = [
         f"{name}: {first.versions.get(name, 'none')} -> {second.versions.get(name, 'none')}"

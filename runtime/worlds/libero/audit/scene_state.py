@@ -1,4 +1,4 @@
-"""What a scene shows at one moment of an audit: poses, joints, and how deep bodies lie in each other."""
+"""The measured state of a scene at one step of an audit: poses, joints, and penetration depths."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ class SceneState:
     """Everything by name.
 
     ``poses`` are each movable object's position (3,) in metres and its axes as columns (3, 3); ``hinges`` are in
-    radians, ``slides`` in metres. The deepest contacts in metres stand by pair, ``a, b``: ``depths`` between two
-    objects or fixtures, ``sunk`` between one and whatever else there is (table, floor, robot).
+    radians, ``slides`` in metres. The deepest contacts in metres are by pair, ``a, b``: ``depths`` between two
+    objects or fixtures, ``sunk`` between one and anything else (table, floor, robot).
     """
 
     poses: Poses
@@ -43,7 +43,7 @@ class SceneReader:
         self._entities = frozenset(scene.entities)
 
     def moment(self, data: mujoco.MjData) -> SceneState:
-        """Copy what ``data``, a forwarded state of the scene, shows."""
+        """Copy the values from ``data``, a forwarded state of the scene."""
         poses = {n: (data.xpos[b].copy(), data.xmat[b].reshape((3, 3)).copy()) for n, b in self._objects.items()}
         hinges = {name: float(data.qpos[address]) for name, address in self._hinges.items()}
         slides = {name: float(data.qpos[address]) for name, address in self._slides.items()}

@@ -1,4 +1,4 @@
-"""One task in, its initial states set, settled and measured, its premise failures out."""
+"""Audits one task: sets, settles and measures its initial states, and reports premise failures."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class TaskAuditor:
 
     @classmethod
     def open(cls, ref: TaskRef, knowledge: Knowledge, kinds: Sequence[Kind], seed: int = 0) -> TaskAuditor:
-        """Build the scene of ``ref``; raises ``SIM`` and ``BDDL`` problems where that, or its goal, cannot be."""
+        """Build the scene of ``ref``; raises ``SIM`` and ``BDDL`` problems of the scene and the goal."""
         required = required_of(ref, knowledge)
         simulation = Simulation(compile_scene(ref.bddl, seed), exact=True)
         index = simulation.scene.index
@@ -61,7 +61,7 @@ class TaskAuditor:
         official = ref.initial_states.is_file()
         states = initial_states(ref) if official else simulation.flat_state[None]
         if official and states.shape[1] != simulation.state_size:
-            simulation.reset_to(states[0])  # raises SIM004 with its own words
+            simulation.reset_to(states[0])  # raises SIM004
         return cls(
             required=replace(required, premise=premise),
             simulation=simulation,
@@ -75,7 +75,7 @@ class TaskAuditor:
         )
 
     def audit(self, state: int) -> StateAudit:
-        """Set initial state ``state``, settle it as the field does, and say what is not as the task has it."""
+        """Set initial state ``state``, settle it as usual in evaluations, and report what contradicts the task."""
         simulation = self.simulation
         try:
             simulation.reset_to(self.states[state])
@@ -123,7 +123,7 @@ def audit_task(
 ) -> TaskAudit:
     """Audit the first ``states`` initial states of ``ref`` (None: all), those ``known`` excepted.
 
-    A task that cannot be built, or whose facts cannot be grounded, is a finding, and not an error.
+    A task that cannot be built, or whose facts cannot be grounded, is a finding, not an error.
     """
     official = ref.initial_states.is_file()
     try:
@@ -140,7 +140,7 @@ def audit_task(
 
 
 def _groundable(index: Scene, facts: Sequence[Fact], schema: Schema) -> tuple[tuple[Fact, ...], tuple[Fault, ...]]:
-    """Those of ``facts`` that the scene can show, and what is wrong with the others."""
+    """The ``facts`` that can be grounded in the scene, and the faults of the others."""
     groundable: list[Fact] = []
     faults: list[Fault] = []
     for fact in facts:
@@ -158,7 +158,7 @@ def _faults(error: OntoError) -> tuple[Fault, ...]:
 
 
 def plain(message: str) -> str:
-    """``message`` on one line of bounded length, without where packages are installed: records are compared."""
+    """``message`` on one line of bounded length, without installation paths, since records are compared."""
     return clipped(_INSTALLED.sub("", " ".join(message.split())), LONGEST)
 
 

@@ -1,4 +1,4 @@
-"""``onto play``: skills act under dynamics from one initial state, LIBERO judges, and the episode is told."""
+"""``onto play``: skills act under dynamics from one initial state, and LIBERO judges the episode."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _run(options: argparse.Namespace) -> int:
 
 PLAY = Command(
     name="play",
-    help="Play one task by skills under dynamics, judged by LIBERO, and tell each attempt.",
+    help="Play one task by skills under dynamics, judged by LIBERO, and print each attempt.",
     example="onto play libero_90/76 --candidates offset-grid --film out/mug.html",
     configure=_configure,
     run=_run,

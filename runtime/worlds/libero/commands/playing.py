@@ -1,4 +1,4 @@
-"""What ``onto play`` does: one episode by skills, replayed natively, told, recorded and drawn."""
+"""``onto play``: one episode by skills, replayed natively, printed, recorded and drawn."""
 
 from __future__ import annotations
 
@@ -44,9 +44,9 @@ __all__ = ["play"]
 
 
 def play(options: argparse.Namespace) -> int:
-    """Play, judge, tell and record; exit code 1 when LIBERO did not accept."""
+    """Play, judge, print and record; exit code 1 if LIBERO did not accept."""
     with ExitStack() as stack:
-        # Opened first: a folder that cannot be written is better known before the play.
+        # Opened first, to report a folder that cannot be written before the episode is played.
         knowledge = load_knowledge(*options.ontology)
         store = stack.enter_context(_store(options, knowledge.schema)) if options.out is not None else None
         stage = stack.enter_context(_stage(options, knowledge))
@@ -63,7 +63,7 @@ def play(options: argparse.Namespace) -> int:
         print_json(episode_summary(episode, schema))
     else:
         sys.stdout.write("\n".join(_story(performance, schema)) + "\n")
-    if options.film is not None:  # last: what cannot be drawn was told all the same
+    if options.film is not None:  # last, so that a failure to draw loses no output
         sys.stdout.flush()
         _film(options.film, stage, performance)
     return CLEAN if episode.accepted else FINDINGS
@@ -94,7 +94,7 @@ def _store(options: argparse.Namespace, schema: Schema) -> TraceStore:
 
 
 def _record(out: Path, store: TraceStore, performance: EpisodeRecord) -> None:
-    """Write the trace, and beside it the actions: what a replay needs."""
+    """Write the trace and, for a replay, the actions."""
     iri = store.add(performance.episode)
     store.export_trig(out / "trace.trig")
     path = out / "actions" / f"{file_name(iri)}.npz"
@@ -107,7 +107,7 @@ def _record(out: Path, store: TraceStore, performance: EpisodeRecord) -> None:
 
 
 def _film(path: Path, stage: EpisodePlayer, performance: EpisodeRecord) -> None:
-    """Draw the moments of the native run from the poses that it went through."""
+    """Draw the filmstrip from the poses of the native run."""
     model = compile_scene(stage.ref.bddl, stage.scene.seed, pictures=True).model
     data = mujoco.MjData(model)
     shown = moments(performance.actions, performance.bounds)

@@ -1,6 +1,6 @@
-"""Demonstrations: collected from skills, kept in LIBERO's own HDF5 layout, replayed natively.
+"""Demonstrations: collected from skills, stored in LIBERO's own HDF5 layout, replayed natively.
 
-:func:`load` reads them. What it needs is imported when it is asked for, so that ``onto --help`` stays quick.
+:func:`load` reads them. It is imported on first use, so that ``onto --help`` stays quick.
 """
 
 from __future__ import annotations

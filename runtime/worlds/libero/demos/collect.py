@@ -1,4 +1,4 @@
-"""Collect demonstrations of many tasks, each resumed where it was left."""
+"""Collect demonstrations of many tasks; an interrupted collection can be resumed."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["COUNTS", "Collected", "CollectionRequest", "collect", "collect_task"
 
 FORMAT = 1  # of what is kept
 COUNTS = {"libero_goal": 50, "libero_spatial": 10, "libero_object": 10, "libero_10": 10}
-"""Demonstrations a task, where no number is asked for, by suite."""
+"""The default number of demonstrations per task, by suite."""
 _OTHER = 10
 _PACKAGES = ("mujoco", "robosuite", "numpy")
 
@@ -46,7 +46,7 @@ class CollectionRequest:
 
 @dataclass(frozen=True, slots=True)
 class Collected:
-    """What there is of one task: ``demos`` in the file at ``path``, of ``trials``; ``rejected`` counts by reason.
+    """The result for one task: ``demos`` in the file at ``path``, from ``trials``; ``rejected`` counts by reason.
 
     ``busy`` means that another process collects it.
     """
@@ -73,10 +73,10 @@ def count_for(suite: str) -> int:
 
 
 def collect(orders: Sequence[CollectionRequest], jobs: int, tick: Callable[[Collected], None]) -> tuple[Collected, ...]:
-    """Carry out ``orders`` in at most ``jobs`` processes; what other processes collect just now is waited for.
+    """Carry out ``orders`` in at most ``jobs`` processes; waits for tasks that other processes are collecting.
 
-    ``tick`` is told of each task as it is done. Raises, when all others are done, what tasks could not be collected
-    for: ``SIM013``, ``DEM003``, ``DEM004``, ``DEM006``, ``CLI007``, and as ``onto ground``.
+    ``tick`` is called with each task when it is done. When all are done, raises the problems of tasks that could not
+    be collected: ``SIM013``, ``DEM003``, ``DEM004``, ``DEM006``, ``CLI007``, and as ``onto ground``.
     """
     h5py()
     done: dict[CollectionRequest, Collected] = {}
@@ -134,7 +134,7 @@ def _run(order: CollectionRequest, store: TaskStore, kept: Kept, attributes: Map
 
 
 def _complete(order: CollectionRequest, store: TaskStore, kept: Kept) -> bool:
-    """Whether the one file holds ``count`` demonstrations, or all that there are to be had."""
+    """Whether the file holds ``count`` demonstrations, or all that can be collected."""
     inside = [place for place in kept.values() if not isinstance(place, str) and place[0] == store.path]
     parts = [place for place in kept.values() if not isinstance(place, str) and place[0] != store.path]
     return len(inside) >= order.count or (not parts and all(trial in kept for trial in range(order.trials)))
@@ -157,7 +157,7 @@ def _nothing(order: CollectionRequest, *, busy: bool = False) -> Collected:
 
 
 def _spec(order: CollectionRequest) -> dict[str, Any]:
-    """What decides the bytes of a demonstration, as far as it can be told beforehand."""
+    """The settings that determine the bytes of a demonstration."""
     return {
         "format": FORMAT,
         "suite": order.ref.suite,

@@ -1,4 +1,4 @@
-"""``onto demos``: collect demonstrations, replay them natively, and say what a file holds."""
+"""``onto demos``: collect demonstrations, replay them natively, and list the contents of a file."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _collect(options: argparse.Namespace) -> int:
-    """Collect demonstrations from skills under seeded disturbances; goes on where an earlier run stopped."""
+    """Collect demonstrations from skills under seeded disturbances; resumes an interrupted run."""
     from runtime.worlds.libero.demos.collect import collect  # noqa: PLC0415 - heavy imports wait for the command to run
     from runtime.worlds.libero.demos.render import collected_text  # noqa: PLC0415
 
@@ -95,7 +95,7 @@ def _orders(options: argparse.Namespace) -> list[CollectionRequest]:
 
 
 def _replay(options: argparse.Namespace) -> int:
-    """Execute every demonstration in LIBERO's own environment, and tell whether each succeeds at its own step."""
+    """Execute every demonstration in LIBERO's own environment, and report whether it succeeds at its recorded step."""
     from onto_compiler.pool import map_over_processes  # noqa: PLC0415
     from runtime.worlds.libero.demos.render import replays_text  # noqa: PLC0415 - as above
     from runtime.worlds.libero.demos.replay import replay_file  # noqa: PLC0415
@@ -117,7 +117,7 @@ def _replay(options: argparse.Namespace) -> int:
 
 
 def _show(options: argparse.Namespace) -> int:
-    """Say of which task each file is, and of each demonstration how long it is and how it came about."""
+    """List each file's task, and each demonstration's length and origin."""
     from runtime.worlds.libero.demos.read import load  # noqa: PLC0415 - as above
     from runtime.worlds.libero.demos.render import file_record, file_text  # noqa: PLC0415
 

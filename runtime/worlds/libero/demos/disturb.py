@@ -1,8 +1,8 @@
-"""Disturbances of a skill's actions: noise, pushes, grasps beside the mark, and objects that slip. All are seeded.
+"""Disturbances of a skill's actions: noise, pushes, misplaced grasps, and objects that slip. All are seeded.
 
-A skill is a closed loop, so that it works against what disturbs it, and recovers, or not. What was executed is what
-is recorded; what the skill had wanted is kept beside it, as learners from noisy demonstrations want it (Laskey et al.,
-"DART: Noise Injection for Robust Imitation Learning", 2017).
+A skill is a closed loop, so that it may recover from a disturbance. The executed action is recorded; the skill's
+intended action is stored too, for learning from noisy demonstrations (Laskey et al., "DART: Noise Injection for Robust
+Imitation Learning", 2017).
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ FIRST, LAST = 8, 90  # control steps in which a push may begin
 
 @dataclass(frozen=True, slots=True)
 class Strength:
-    """How strong disturbances of severity 1 are; an action of 1 asks for 50 mm and 0.5 rad.
+    """The strength of disturbances of severity 1; an action of 1 means 50 mm or 0.5 rad.
 
-    The gain of the skills turns an ``offset`` of 0.3 into a hand that stands 5 mm beside its mark.
+    With the gain of the skills, an ``offset`` of 0.3 puts the hand 5 mm beside its target.
     """
 
     noise: float = 0.15  # standard deviation of the translation's noise
@@ -39,7 +39,7 @@ class Strength:
 
 @dataclass(slots=True)
 class Disturber:
-    """Disturbs one episode; ``severity`` in [0, 1] scales everything, and 0 leaves the actions as they are."""
+    """Disturbs one episode; ``severity`` in [0, 1] scales everything, and 0 leaves the actions unchanged."""
 
     rng: np.random.Generator
     severity: float
@@ -70,7 +70,7 @@ class Disturber:
         self._aim()
 
     def __call__(self, action: Array) -> Array:
-        """What is executed, (7,), where a skill gives ``action`` (7,)."""
+        """The executed action (7,) for a skill's ``action`` (7,)."""
         strength, size = self.strength, self.severity
         fresh = self.rng.normal(size=6) * np.repeat([strength.noise, strength.twist], 3) * size
         self._noise = strength.memory * self._noise + np.sqrt(1.0 - strength.memory**2) * fresh

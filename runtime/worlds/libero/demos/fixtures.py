@@ -1,4 +1,4 @@
-"""Where the fixtures stood while a demonstration was recorded: by its window record, or by its ``model_file``."""
+"""The fixtures' poses in a demonstration, from its window record or its ``model_file``."""
 
 from __future__ import annotations
 

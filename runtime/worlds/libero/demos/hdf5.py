@@ -1,4 +1,4 @@
-"""Open HDF5 files, and say in a problem what h5py says in an exception."""
+"""Open HDF5 files; exceptions of h5py become problems."""
 
 from __future__ import annotations
 

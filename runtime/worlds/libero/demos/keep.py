@@ -1,7 +1,7 @@
 """The demonstrations of one task on disk while they are collected: a part for each trial, then one file.
 
-Whoever is interrupted goes on with the parts. A part or file that is damaged counts as none, and is made again. One
-process at a time collects a task; the lock goes with the process.
+An interrupted collection resumes from the parts. A damaged part or file is made again. One process at a time collects
+a task; the lock ends with the process.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ Kept = dict[int, Place | str]
 
 
 class TaskStore:
-    """What is kept below ``folder`` of the task called ``name`` in ``suite``, all of it made with ``spec``."""
+    """The files in ``folder`` of the task ``name`` of ``suite``, all made with ``spec``."""
 
     def __init__(self, folder: Path, suite: str, name: str, spec: Mapping[str, Any]) -> None:
         self.path = folder / suite / f"{name}_demo.hdf5"
@@ -58,7 +58,7 @@ class TaskStore:
             yield True
 
     def known(self) -> Kept:
-        """Every trial that is kept; raises ``DEM003`` if some were made with other options."""
+        """Every stored trial; raises ``DEM003`` if some were made with other options."""
         found: Kept = {}
         if (file := self._whole(self.path)) is not None:
             found |= {int(number): str(reason) for number, reason in file.about.get("rejected", {}).items()}
@@ -76,7 +76,7 @@ class TaskStore:
         return found
 
     def keep(self, trial: int, attributes: Mapping[str, Any], found: Demonstration | str) -> Place | str:
-        """Keep what ``trial`` gave, and say where; raises ``DEM006`` if it cannot be written."""
+        """Store the result of ``trial``, and return where; raises ``DEM006`` if it cannot be written."""
         path = self.parts / f"trial_{trial:04d}.hdf5"
         if isinstance(found, Demonstration):
             write(path, attributes, {"spec": self._spec}, [found])
@@ -89,7 +89,7 @@ class TaskStore:
         return found
 
     def finish(self, kept: Kept, attributes: Mapping[str, Any], count: int) -> None:
-        """Put the first ``count`` demonstrations into one file, and drop the parts; raises ``DEM006``."""
+        """Merge the first ``count`` demonstrations into one file, and delete the parts; raises ``DEM006``."""
         places = [(trial, place) for trial, place in sorted(kept.items()) if not isinstance(place, str)][:count]
         last = places[-1][0] if len(places) == count else max(kept, default=-1)
         rejected = {str(trial): why for trial, why in sorted(kept.items()) if isinstance(why, str) and trial <= last}

@@ -1,4 +1,4 @@
-"""Read demonstrations: ours, LIBERO's published files, and what others have made of them in the same layout."""
+"""Read demonstrations: ours, LIBERO's published files, and files that others derived in the same layout."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A simulation that records what is done in it: states, actions, and what LIBERO would have observed."""
+"""A simulation that records its states, its actions, and LIBERO's observations."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ Observed = Mapping[str, NDArray[Any]]
 class DemoRecorder(Simulation):
     """The exact loop; from :meth:`begin` on each step is disturbed, executed and recorded.
 
-    An observation is the one that a policy would have had when it chose the action: LIBERO's after the step before,
-    taken one substep before that step's end.
+    An observation is the one available to a policy for choosing the action: LIBERO's of the previous step, taken one
+    substep before that step's end.
     """
 
     def __init__(
@@ -51,11 +51,11 @@ class DemoRecorder(Simulation):
         self.success_step = 0  # counts actions; 0 while there was no success
 
     def calm(self) -> None:
-        """Disturb no more."""
+        """Stop disturbing."""
         self._disturb = None
 
     def end(self) -> None:
-        """Record no more."""
+        """Stop recording."""
         self._recording = False
 
     def step(self, action: ArrayLike, before_last_substep: Callable[[], object] | None = None) -> None:

@@ -19,11 +19,10 @@ IMAGES = {"agentview_rgb": "agentview", "eye_in_hand_rgb": "robot0_eye_in_hand"}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Origin:
-    """How a demonstration of ours came about.
+    """The origin of one of our demonstrations.
 
     ``success_step`` counts actions until the native predicate is first true. ``intended`` (n, 7) are the skill's
-    actions before noise, pushes and slips; ``disturbances`` says which there were, ``tries`` which skills ran and how
-    each ended.
+    actions before noise, pushes and slips; ``disturbances`` lists these, ``tries`` the skills and how each ended.
     """
 
     trial: int
@@ -68,7 +67,7 @@ class Demonstration:
 class DemoFile:
     """The demonstrations of one task: ``suite`` and ``task`` name it, as far as the file says.
 
-    ``about`` is what a file of ours says of how it was made, and empty for another's.
+    ``about`` describes how one of our files was made; it is empty for other files.
     """
 
     path: str

@@ -1,4 +1,4 @@
-"""Whether the gripper has let go: LIBERO's predicates do not ask, and some are true of an object that is still held."""
+"""Whether the gripper has released: some of LIBERO's predicates are true of an object that is still held."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _GRIPPER = "gripper0_"
 
 
 class Released:
-    """Asks of one scene whether the gripper touches anything that can be carried."""
+    """Checks in one scene whether the gripper touches a movable object."""
 
     def __init__(self, model: mujoco.MjModel) -> None:
-        """Tell the gripper's geoms, and those of bodies on a free joint, from all others."""
+        """Find the geoms of the gripper, and those of bodies on a free joint."""
         names = (mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_BODY, body) or "" for body in range(model.nbody))
         gripper = np.array([name.startswith(_GRIPPER) for name in names])
         free = np.zeros(model.nbody, dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""What ``onto demos`` tells people."""
+"""The text output of ``onto demos``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Execute demonstrations again in LIBERO's own environment, and tell whether they reach what they reached."""
+"""Execute demonstrations again in LIBERO's own environment, and compare the results with the recorded ones."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ AFTER = 20  # control steps without motion, after which the task must still be d
 
 @dataclass(frozen=True, slots=True)
 class DemoReplay:
-    """How one demonstration went.
+    """The result of replaying one demonstration.
 
-    ``reached`` counts actions until the native predicate is first true, 0 where it never is; ``recorded`` is what the
-    file says, 0 where it says nothing. ``holds`` is the predicate after :data:`AFTER` further steps with an open,
-    resting hand. ``drift`` is the largest difference to a recorded state (metres, radians and their rates alike).
-    ``whole`` says whether it started from a window record, and not from the flat state alone; ``placed``, whether the
-    fixtures stood where they were recorded.
+    ``reached`` counts actions until the native predicate is first true, 0 if it never is; ``recorded`` is the number in
+    the file, 0 without one. ``holds`` is the predicate after :data:`AFTER` further steps with an open, resting hand.
+    ``drift`` is the largest difference to a recorded state (in metres, radians or their rates). ``whole``: whether it
+    started from a window record and not only from the flat state; ``placed``: whether the fixtures' poses are the
+    recorded ones.
     """
 
     file: str

@@ -1,6 +1,6 @@
-"""One trial in, one demonstration out, or the reason why there is none.
+"""Collects one trial: a demonstration, or the reason why there is none.
 
-A trial is decided by its task, the seed and its number alone: whoever collects it, whenever, gets the same bytes.
+A trial is determined by its task, the seed and its number: collecting it again gives the same bytes.
 """
 
 from __future__ import annotations
@@ -61,8 +61,8 @@ class TaskCollector:
     def collect(self, trial: int) -> Demonstration | str:
         """The demonstration of ``trial`` (from 0), or why it gave none.
 
-        It starts from an official initial state that is not held out, and counts where the goal holds at its end and
-        still after :data:`AFTER` steps; the gripper is open all that time, and touches nothing loose at either end.
+        It starts from an official initial state that is not held out, and counts if the goal holds at its end and still
+        after :data:`AFTER` steps with the gripper open and touching no movable object.
         """
         index = trial % len(self._states)
         rng = np.random.default_rng([self._seed, zlib.crc32(f"{self._ref.suite}/{self._ref.name}".encode()), trial])
@@ -125,7 +125,7 @@ class TaskCollector:
         return not unmet(self._required, self._player.grounder.observe(data))
 
     def _lacking(self, data: mujoco.MjData) -> str:
-        """What keeps the present state from being a good end, or nothing."""
+        """Why the present state is not a good end, or nothing."""
         if not self._holds(data):
             return "undone"
         return "" if self._released(data) else "not let go"
@@ -134,7 +134,7 @@ class TaskCollector:
         return {**self._observer.read(data), **self._views.look(data)}
 
     def close(self) -> None:
-        """Free what drawing took."""
+        """Free the renderer."""
         self._views.close()
 
 

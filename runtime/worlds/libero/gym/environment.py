@@ -38,10 +38,10 @@ Info = dict[str, Any]
 class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
     """One task; an action is OSC_POSE's, and a step is a control step of 1/20 s.
 
-    A reset writes an initial state and lets it settle. It never builds a scene, and nothing of an earlier episode is
-    left. ``terminated`` is LIBERO's success, with a reward of 1; ``truncated`` is the suite's horizon, or a simulation
-    that diverged (``info["fault"]``). ``info`` holds ``success``, the typed ``facts`` of the goal with their margins,
-    and in ``failures`` a diagnosis and a route for each that is unmet.
+    A reset writes an initial state and lets it settle. It never builds a scene, and keeps nothing of an earlier
+    episode. ``terminated`` is LIBERO's success, with a reward of 1; ``truncated`` is the suite's horizon, or a
+    simulation that diverged (``info["fault"]``). ``info`` holds ``success``, the typed ``facts`` of the goal with their
+    margins, and in ``failures`` a diagnosis and a route for each that is unmet.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 20}  # noqa: RUF012  gymnasium declares it as an instance's
@@ -75,12 +75,12 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             task: ``SUITE/INDEX``, ``SUITE/NAME`` or the path of a task file.
             suite: With ``index``, the same in two parts.
             index: The task's number in its suite, from 0, or its name.
-            state_index: The official initial state to start from, where a reset names none.
-            advance: How many states a reset that names none goes on, or ``"random"``; 0 keeps the one asked for.
+            state_index: The default official initial state.
+            advance: How many states a reset without one advances, or ``"random"``; 0 repeats the same state.
             exact: Step bit for bit as the native environment does, at a third of the speed.
             settle: Control steps without motion after a reset to an official state; they do not count.
-            horizon: Control steps until ``truncated``, where the suite's own are not wanted.
-            observables: The low-dimensional keys to observe, where not all are wanted.
+            horizon: Control steps until ``truncated``; default: the suite's.
+            observables: The low-dimensional keys to observe; default: all.
             timing: ``"libero"`` observes one substep before the end of a step, as LIBERO does after a reset;
                 ``"current"`` observes the end.
             images: Whether observations hold a picture ``CAMERA_image`` of each of ``cameras``.
@@ -90,7 +90,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
             fast_render: Draw without shadows, reflections and multisampling.
             render_mode: None or ``"rgb_array"``; :meth:`render` then draws ``render_camera``, topmost row first.
             render_camera: The camera that :meth:`render` shows.
-            scene_seed: Places the fixtures, which no initial state describes; 0 where it is not given.
+            scene_seed: Places the fixtures, which no initial state describes; default 0.
             ontology: Turtle files of your own, for predicates and rules.
 
         Raises:
@@ -139,15 +139,15 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
     def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Observed, Info]:
         """Start an episode from ``options["state_index"]``, or a flat ``options["state"]`` (1 + nq + nv,).
 
-        Without either, ``seed`` s is a trial: it starts from official state s modulo their number, or where a task has
-        none, from LIBERO's reset of that seed, which places objects and fixtures anew. Without a seed, too,
-        the state last asked for is taken again, or what ``advance`` makes of it. A state of your own is judged as it
-        is, unless ``options["settle"]`` gives it control steps without motion first. ``options["model"]`` is a file
-        that says where the fixtures stand: MJCF that was saved from the scene, or demonstrations.
+        Without either, ``seed`` s starts from official state s modulo their number or, if the task has none, from
+        LIBERO's reset with that seed, which places objects and fixtures again. Without a seed, the last requested
+        state is used again, changed by ``advance``. A state of your own is judged as it is, unless
+        ``options["settle"]`` gives it control steps without motion first. ``options["model"]`` is a file with the
+        fixtures' poses: MJCF that was saved from the scene, or demonstrations.
 
         Raises ``SIM017`` for a state that the task does not have, ``SIM030`` for an unknown option, ``SIM003``,
-        ``SIM004`` for a state of another scene, ``SIM023`` for a file that does not say it, and
-        ``SIM019`` if it diverges while it settles.
+        ``SIM004`` for a state of another scene, ``SIM023`` for a file without these poses, and ``SIM019`` if it
+        diverges while settling.
         """
         super().reset(seed=seed)
         start = self._starts.choose(self._start, self.np_random, seed, options or {})
@@ -190,7 +190,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         return self._views.draw(self._simulation.data, self._render_camera)[::-1].copy()
 
     def close(self) -> None:
-        """Free the OpenGL context, and what draws seeded starts."""
+        """Free the OpenGL context and the environment for seeded resets."""
         self._views.close()
         self._starts.close()
 
@@ -211,7 +211,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         self._seen = {**self._views.look(data), **self._observer.read(data)}
 
     def _uncertain(self, report: GoalReport) -> tuple[Info, ...]:
-        """The facts whose verdict hangs on where fixtures stand, of which a state of one's own says nothing."""
+        """The facts whose verdict depends on the fixtures' poses, which a state of your own does not include."""
         start = self._start
         if self._placements is None or start is None or start.index >= 0 or start.fixtures is not None:
             return ()
@@ -220,7 +220,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
 
     @property
     def _scene_seed(self) -> int:
-        """The seed of the reset that placed the fixtures, where no file says where they stand."""
+        """The seed of the reset that placed the fixtures, if no file gives their poses."""
         start = self._start
         return self._simulation.scene.seed if start is None or start.seed is None else start.seed
 

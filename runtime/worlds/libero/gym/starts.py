@@ -1,4 +1,4 @@
-"""From which initial state an episode starts."""
+"""The initial state of an episode."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ __all__ = ["Advance", "Start", "Starts"]
 
 Advance: TypeAlias = int | Literal["random"]
 SEEDS = 2**32
-"""Numpy's global generator, which LIBERO draws from, has so many."""
+"""The number of seeds of numpy's global generator, which LIBERO draws from."""
 _OPTIONS = ("state_index", "state", "settle", "model")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Start:
-    """A flat ``state`` (1 + nq + nv,), and which official one that is; -1 for a state of one's own.
+    """A flat ``state`` (1 + nq + nv,) and its official index; -1 for a state of your own.
 
-    ``settle`` control steps without motion follow it before it is judged. ``fixtures`` stand where a file says, or
-    where the scene's seed has placed them. ``seed`` is that of the reset, where a task has no official states.
+    ``settle`` control steps without motion follow before it is judged. ``fixtures`` are the poses from a file, or those
+    of the scene's seed. ``seed`` is that of the reset, if a task has no official states.
     """
 
     index: int
@@ -64,12 +64,12 @@ class Starts:
     def choose(
         self, last: Start | None, rng: np.random.Generator, seed: int | None, options: Mapping[str, Any]
     ) -> Start:
-        """The start of the next episode, ``last`` being that of the present one.
+        """The start of the next episode; ``last`` is that of the present one.
 
-        What ``options`` name goes first, then the trial ``seed``, then ``last``, moved on by ``advance``; a state of
-        one's own stays. An official state settles as long as all do, and one's own not at all, unless
-        ``options["settle"]`` says how long; ``options["model"]`` is a file that says where fixtures stand. Raises
-        ``SIM017``, ``SIM030``, and ``SIM023`` for that file.
+        The ``options`` take precedence, then ``seed``, then ``last``, changed by ``advance``; a state of your own is
+        repeated. An official state settles for the default number of steps, your own not at all, unless
+        ``options["settle"]`` says how long; ``options["model"]`` is a file with the fixtures' poses. Raises ``SIM017``,
+        ``SIM030``, and ``SIM023`` for that file.
         """
         for name in options:
             if name not in _OPTIONS:
@@ -95,7 +95,7 @@ class Starts:
         return self._next(last, rng) if seed is None else self._trial(seed)
 
     def _next(self, last: Start | None, rng: np.random.Generator) -> Start:
-        """What follows ``last`` where nobody says."""
+        """The default start after ``last``."""
         if self._advance == "random":
             return self._trial(int(rng.integers(SEEDS if self._seeded else len(self))))
         if last is None:
@@ -111,7 +111,7 @@ class Starts:
             self._native = None
 
     def _trial(self, number: int) -> Start:
-        """Official state ``number`` modulo how many there are; without any, LIBERO's reset of that seed."""
+        """Official state ``number`` modulo their count; without any, LIBERO's reset with that seed."""
         if not self._seeded:
             return self._official(number % len(self))
         seed = number % SEEDS

@@ -1,4 +1,4 @@
-"""A stove that is on shows its burner. LIBERO toggles that site after every step; only pictures can tell.
+"""A stove that is on shows its burner. LIBERO toggles that site after every step; it affects only pictures.
 
 Source: LIBERO ``envs/problems/*.py`` (``set_visualization``). When a stove is on is in the ontology's thresholds.
 """

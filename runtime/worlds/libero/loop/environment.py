@@ -1,4 +1,4 @@
-"""A native LIBERO task as the loop's environment: grounded by us, written in ``state`` mode, judged by LIBERO."""
+"""A native LIBERO task as the loop's environment: grounded by us, changed by writing its state, judged by LIBERO."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ class NativeEnvironment(StateEnvironment):
         return self._task.judged or all(fact.native.predicate.lower() in known for fact in self._required.facts)
 
     def verify_natively(self) -> Verification:
-        """Ask LIBERO; raises ``SIM018`` if it can judge neither the goal nor its atoms."""
+        """LIBERO's verdict; raises ``SIM018`` if it can judge neither the goal nor its atoms."""
         return Verification(_QUERY if self._task.judged else _ATOMS, self._success())
 
     def _success(self) -> bool:
-        """LIBERO's verdict on the goal, or on some alternative, each of whose atoms LIBERO is asked for."""
+        """LIBERO's verdict on the goal, or, atom by atom, on any of its alternatives."""
         if self._task.judged or not self.judged:
             return self._task.success()
         facts = self._required.facts
@@ -68,7 +68,7 @@ class LiberoEnvironment(NativeEnvironment):
         self._ref, self._schema = ref, schema
         self._placements = Placements(parse_file(ref.bddl), self.scene)
         self._fixtures: FixturePoses | None = None
-        self._fresh = np.concatenate([[task.data.time], task.data.qpos, task.data.qvel])  # what the seeded reset left
+        self._fresh = np.concatenate([[task.data.time], task.data.qpos, task.data.qvel])  # after the seeded reset
 
     @property
     def task(self) -> NativeTask:
@@ -85,7 +85,7 @@ class LiberoEnvironment(NativeEnvironment):
         return steps
 
     def place(self, model: str) -> None:
-        """Stand the fixtures as MJCF or a demonstration has them; raises as :func:`fixtures_of`."""
+        """Place the fixtures as in an MJCF file or a demonstration; raises as :func:`fixtures_of`."""
         self._fixtures = fixtures_of(model, self._task.model)
 
     def uncertain(self) -> tuple[dict[str, Any], ...]:
@@ -94,7 +94,7 @@ class LiberoEnvironment(NativeEnvironment):
         return tuple(uncertain_row(each, self._schema) for each in found)
 
     def versions(self) -> dict[str, str]:
-        """Versions of what decides a physical result."""
+        """Versions of the packages that affect physical results."""
         return versions()
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Which verdicts hang on where fixtures stand, for a state that does not say it."""
+"""The verdicts that depend on the fixtures' poses, for a state that does not include them."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ __all__ = ["Placements", "Uncertain", "uncertain_row"]
 
 @dataclass(frozen=True, slots=True)
 class Uncertain:
-    """Required fact ``index``, whose ``margin`` is within the ``reach`` (m) by which ``fixtures`` may stand elsewhere.
+    """Required fact ``index``, whose ``margin`` is within the ``reach`` (m) by which ``fixtures`` may be displaced.
 
-    ``margin`` is NaN if none is defined, so that any displacement may decide.
+    ``margin`` is NaN if none is defined; any displacement may then decide.
     """
 
     index: int
@@ -47,7 +47,7 @@ def uncertain_row(each: Uncertain, schema: Schema) -> dict[str, Any]:
 
 
 class Placements:
-    """How far LIBERO's reset may have placed the fixtures of one task elsewhere."""
+    """How far LIBERO's reset may have displaced the fixtures of one task."""
 
     def __init__(self, spec: TaskSpec, scene: Scene) -> None:
         self._scene = scene
@@ -66,9 +66,9 @@ class Placements:
         return tuple(found)
 
     def _reaches(self, names: Iterable[str], data: mujoco.MjData) -> dict[str, float]:
-        """How far each fixture among the arguments may stand from where it does, beside what else is named.
+        """How far each fixture among the arguments may be displaced relative to the other arguments.
 
-        What is said of one fixture alone, such as that its drawer is open, does not depend on where it stands.
+        A fact about one fixture, such as that its drawer is open, does not depend on its pose.
         """
         owners = {name: self._scene.site_parent(name) if self._scene.is_site(name) else name for name in names}
         if len(set(owners.values())) < 2:

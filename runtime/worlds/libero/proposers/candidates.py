@@ -25,7 +25,7 @@ _SAME_DECIMALS = 6  # states that agree so far are one candidate
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StateCandidate:
-    """A whole ``qpos`` (nq,) that nothing is known to speak against, apart from ``flaws``.
+    """A complete ``qpos`` (nq,) without known objections except ``flaws``.
 
     A flaw is a reason to try others first: unbalanced, or reachable only through a wall.
     """
@@ -39,8 +39,8 @@ class StateCandidate:
 def ranked(request: Request, batches: Iterable[Sequence[StateCandidate]]) -> Iterator[StateCandidate]:
     """Candidates that the grounder finds to satisfy the diagnosed fact, best first.
 
-    Those without a flaw that keep every other satisfied fact come out batch by batch, as they are found; the rest wait
-    until the batches end. What does not satisfy the fact is dropped.
+    Those without a flaw that keep every other satisfied fact are yielded batch by batch; the rest follow after the last
+    batch. Candidates that do not satisfy the fact are dropped.
     """
     facts = request.required.facts
     wanted = request.diagnosis.index

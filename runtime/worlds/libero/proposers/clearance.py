@@ -1,4 +1,4 @@
-"""A scratch copy of a state that answers what overlaps what, and what rests on what. It never steps.
+"""Overlap and support queries on a scratch copy of a state. It never steps.
 
 Only positions are computed (``mj_kinematics``) and, where asked, contacts found (``mj_collision``).
 """
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Clearance"]
 
-LEANS_M = (0.0, 0.002, 0.005, 0.01)  # how far the centre of mass is moved to see what a support bears
+LEANS_M = (0.0, 0.002, 0.005, 0.01)  # how far the centre of mass is moved to test a support
 _BALANCED = 0.02  # of the weight: what the contacts may fail to carry
 _SUPPORT_COSINE = 0.5  # a contact normal nearer to the vertical than 60 degrees supports
 
@@ -44,7 +44,7 @@ class Clearance:
         self.refresh()
 
     def refresh(self) -> None:
-        """Find poses and contacts anew after ``data.qpos`` was written; without contacts, ``mj_kinematics`` does."""
+        """Recompute poses and contacts after a write to ``data.qpos``; without contacts, ``mj_kinematics`` does."""
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_collision(self.model, self.data)
 
@@ -85,8 +85,8 @@ class Clearance:
     def deepest(self, pairs: NDArray[np.intp], enough: float = np.inf) -> float:
         """As :meth:`overlap`, measuring every pair, but stopping at one deeper than ``enough``.
 
-        Contacts would not tell: MuJoCo's box-box routine reports half of an overlap, and none at all where a thin plate
-        runs right through a box.
+        Contacts do not suffice: MuJoCo's box-box routine reports half of an overlap, and none if a thin plate goes
+        right through a box.
         """
         found = 0.0
         for first, second in pairs.tolist():

@@ -1,4 +1,4 @@
-"""Puts a movable entity down at a pose: what lies on it comes along, and it is lowered until it just touches."""
+"""Puts a movable entity down at a pose: it is moved with what rests on it, and lowered until it touches something."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ __all__ = ["ENCLOSED", "UNBALANCED", "Mover", "Placement", "Window", "drop", "re
 TOUCH_M = 4e-4  # about as deep as MuJoCo's default contacts let a light object sink under its own weight
 _STEP_M = 4e-3  # of the descent: what is thinner than this and the object together is met all the same
 _RESOLUTION_M = 1e-5
-_STEADY_M = 0.002  # the lean that a resting object must bear
+_STEADY_M = 0.002  # the lean that a resting object must withstand
 UNBALANCED, ENCLOSED = 2, 1  # flaws: gravity would tip it; the region is covered
 
 
@@ -77,7 +77,7 @@ def drop(mover: Mover, pose: Placement, window: Window, flaws: int = 0) -> Itera
     """Lower ``mover``'s entity at ``pose`` and yield each height in ``window`` at which it comes to touch something.
 
     The entity sinks in by ``TOUCH_M`` at most. A resting pose that gravity would tip has the flaw ``UNBALANCED``
-    besides the ``flaws`` that the caller knows of.
+    in addition to the caller's ``flaws``.
     """
     mover.aim(pose)
     top, bottom = window.roof + mover.below + _STEP_M, window.low - _STEP_M

@@ -44,7 +44,7 @@ class HeuristicRackContact:
     name = "heuristic_rack_contact"
 
     def __init__(self, schema: Schema) -> None:
-        """Take ``schema`` as every proposer does; the scene alone tells where to place."""
+        """``schema`` is not needed: the scene determines where to place."""
         self.schema = schema
 
     def propose(self, request: Request) -> Proposal | None:

@@ -51,7 +51,7 @@ class HeuristicSourceJointResidual:
     name = "heuristic_source_joint_residual"
 
     def __init__(self, schema: Schema) -> None:
-        """Keep ``schema``, which the search does not need: the residual margin says where to go."""
+        """``schema`` is not needed: the residual margin guides the search."""
         self.schema = schema
 
     def propose(self, request: Request) -> Proposal | None:
@@ -68,7 +68,7 @@ class HeuristicSourceJointResidual:
 def compass(value: Callable[[Array], float], step: Array, evaluations: int = _EVALUATIONS) -> None:
     """Climb ``value`` from the origin: step either way in each coordinate, and in all at once; halve when none helps.
 
-    ``step`` (n,) holds the first step of each coordinate. What is learnt is left to ``value``, which sees every point.
+    ``step`` (n,) holds the first step of each coordinate. ``value`` is called with every point and may record it.
     """
     n = len(step)
     directions = [*np.eye(n), *(-np.eye(n))]
@@ -149,7 +149,7 @@ def _poses(request: Request, place: PlacementTarget) -> Iterable[StateCandidate]
         hovering = clearance.data.qpos.copy()  # where nothing is within reach below, the margin still shows the way
         return max(_score(request, qpos) for qpos in (hovering, *(c.qpos for c in landings)))
 
-    # what must not hold says how well it holds, not how far it is to leave
+    # the margin of a fact that must not hold does not measure the distance to go
     wanted = request.diagnosis.fact.polarity
     first = float(np.clip(_shortfall(request, _STEP_M[0]), *_STEP_M)) if wanted else _STEP_M[1]
     compass(value, np.array([first, first, _LEVER_M * np.pi / 4]))

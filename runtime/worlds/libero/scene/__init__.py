@@ -1,1 +1,1 @@
-"""What is read of a LIBERO scene: poses and targets, observations and pictures, the horizon of a suite."""
+"""Reading a LIBERO scene: poses and targets, observations and pictures, the horizon of a suite."""

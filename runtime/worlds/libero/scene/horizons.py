@@ -1,4 +1,4 @@
-"""Which task an environment is of, how long an episode of it may last, and where it may start."""
+"""The task of an environment, and the horizon of its episodes."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ HORIZONS: Mapping[str, int] = {
     "libero_10": 520,
     "libero_90": 400,
 }
-"""Control steps of an episode by suite, as the field's evaluations have them; suites derived from one share it."""
+"""Control steps of an episode by suite, as in published evaluations; derived suites use that of their original."""
 _OTHER = 600  # LIBERO's own ``max_steps`` (``libero/configs/eval/default.yaml``)
 
 
 def chosen_task(task: str | None, suite: str | None, index: int | str | None) -> TaskRef:
     """The task that either ``task`` names (``SUITE/INDEX``, ``SUITE/NAME``, a path) or ``suite`` and ``index``.
 
-    Raises ``SIM030`` unless exactly one of the two ways is used, and otherwise as
+    Raises ``SIM030`` unless exactly one of the two is given, and otherwise as
     :func:`~runtime.worlds.libero.simulator.assets.named_task`.
     """
     if (task is None) == (suite is None) or (suite is None) != (index is None):
@@ -38,6 +38,6 @@ def chosen_task(task: str | None, suite: str | None, index: int | str | None) ->
 
 
 def horizon_of(suite: str) -> int:
-    """Control steps of an episode, without the steps in which the scene settles."""
+    """Control steps of an episode, without those for settling."""
     fitting = [name for name in HORIZONS if suite == name or suite.startswith(f"{name}_")]
     return HORIZONS[max(fitting, key=len)] if fitting else _OTHER

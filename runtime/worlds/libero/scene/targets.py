@@ -1,4 +1,4 @@
-"""What an unmet fact asks for, read from its arguments and the scene: a joint's side, a region, or an object."""
+"""The target of an unmet fact, from its arguments and the scene: a joint's side, a region, or an object."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["PlacementTarget", "place_of", "slot_of", "threshold_of"]
 
 @dataclass(frozen=True, slots=True)
 class PlacementTarget:
-    """Where an object has to come or must not be: at a site, or on an entity.
+    """Where an object must be or must not be: at a site, or on an entity.
 
     ``parent`` carries the site; None for a table, and where nothing of it can be touched.
     """

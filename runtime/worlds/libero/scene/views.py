@@ -59,7 +59,7 @@ class Views:
         return self._screen.draw(data, self._screen.camera(camera))
 
     def close(self) -> None:
-        """Free what drawing took; the next picture sets it up again."""
+        """Free the renderer; the next picture creates it again."""
         if self._screen is not None:
             self._screen.close()
         self._screen = None

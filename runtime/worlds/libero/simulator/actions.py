@@ -1,4 +1,4 @@
-"""What an action of LIBERO is: OSC_POSE's six numbers and the gripper's one."""
+"""An action of LIBERO: OSC_POSE's six numbers and one for the gripper."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Why LIBERO cannot build a task: what its exceptions, which are of no kind of their own, come from."""
+"""Why LIBERO cannot build a task, derived from its generic exceptions."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def _no_category(error: Exception, spec: TaskSpec) -> tuple[Span, str, str] | No
 
 
 def _no_room(error: Exception, spec: TaskSpec) -> tuple[Span, str, str] | None:
-    """An object that robosuite's sampler found no room for, and the ones in its way."""
+    """An object for which robosuite's sampler found no room, and the objects in its way."""
     if not isinstance(error, randomization_error()):
         return None
     local = _sampler(error)
@@ -86,7 +86,7 @@ def _count(number: int) -> str:
 
 
 def _sampler(error: Exception) -> dict[str, Any]:
-    """The variables of the sampler that gave up: robosuite's message names nothing."""
+    """The local variables of the sampler that gave up, since robosuite's message names no object."""
     trace, local = error.__traceback__, {}
     while trace is not None:
         local, trace = trace.tb_frame.f_locals, trace.tb_next

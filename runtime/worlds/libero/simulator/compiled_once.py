@@ -1,4 +1,4 @@
-"""Let robosuite compile a scene once where it asks twice or more for the same: its models are copies of one.
+"""Let robosuite compile each scene only once: repeated requests get copies of one model.
 
 LIBERO compiles when it makes an environment and again at every reset, and the tasks of one room differ in no word of
 their MJCF. A copy takes a third of the time, and is equal to the last bit.

@@ -1,4 +1,4 @@
-"""The native environment's own order of calls around robosuite's own controller: bit-equal to it, without the rest.
+"""The native environment's order of calls around robosuite's controller: bit-identical, without the overhead.
 
 Source: robosuite 1.4.0, ``environments/base.py`` (``step``) and ``robots/single_arm.py`` (``control``).
 """
@@ -27,7 +27,7 @@ class ExactStepper:
 
     def __init__(self, scene: CompiledScene, data: mujoco.MjData) -> None:
         """Make robosuite's controller over ``data``; raises ``SIM010`` if robosuite cannot be imported."""
-        control_env()  # whatever has to be said to LIBERO and robosuite before they are imported
+        control_env()  # configures LIBERO and robosuite before they are imported
         binding = importlib.import_module("robosuite.utils.binding_utils")
         controllers = importlib.import_module("robosuite.controllers")
         self._scene, self._model, self._data = scene, scene.model, data

@@ -1,4 +1,4 @@
-"""Which file LIBERO could not open, and what brings it back."""
+"""The asset file that LIBERO could not open, and how to restore it."""
 
 from __future__ import annotations
 

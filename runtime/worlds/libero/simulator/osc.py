@@ -65,7 +65,7 @@ class Arm(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Where a substep computes; nothing in it outlives one."""
+    """Scratch arrays of a substep."""
 
     site: Floats  # (2, 3, nv) Jacobian of the grip site, every joint's
     factor: Floats  # (7, 7)

@@ -1,4 +1,4 @@
-"""A person's own LIBERO objects, fixtures and predicates: modules that register them when they are imported.
+"""The user's own LIBERO objects, fixtures and predicates: modules that register them on import.
 
 They are named on the command line (``--import``) or in the nearest ``pyproject.toml`` at or above the working folder::
 
@@ -38,7 +38,7 @@ def import_own(names: Sequence[str], beside: Path) -> None:
     wanted = tuple(dict.fromkeys((*listed, *names)))
     if not wanted:
         return
-    control_env()  # whatever has to be said to LIBERO before it is imported
+    control_env()  # configures LIBERO before it is imported
     for folder in (beside.resolve(), Path.cwd(), project):
         if str(folder) not in sys.path:
             sys.path.append(str(folder))  # last, so that no file there hides an installed module

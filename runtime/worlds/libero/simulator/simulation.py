@@ -1,4 +1,4 @@
-"""A scene under dynamics, one 20 Hz control step at a time, and nothing that LIBERO computes beside the physics."""
+"""A scene under dynamics, one 20 Hz control step at a time, with only LIBERO's physics."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ class Stepper(Protocol):
 class Simulation:
     """One scene and its state. ``exact`` steps as the native environment does, bit for bit, at half its speed gain.
 
-    The compiled way is for search and monitoring: it agrees with the native environment to within 1e-9 in free motion,
-    and drifts where contact is chaotic. What is published is run with ``exact``, or natively.
+    The compiled loop is for search and monitoring: it agrees with the native environment to within 1e-9 in free motion,
+    and drifts in chaotic contact. Published results use ``exact`` or the native environment.
     """
 
     def __init__(self, scene: CompiledScene, *, exact: bool = False) -> None:
@@ -90,7 +90,7 @@ class Simulation:
     def reset_to(self, state: ArrayLike, fixtures: FixturePoses | None = None) -> None:
         """Go to a flat ``state`` (1 + nq + nv,) as LIBERO's ``reset`` and ``set_init_state`` would: a state write.
 
-        The fixtures stand where ``fixtures`` says, otherwise as in the scene's home; see :meth:`restore`.
+        ``fixtures`` are the fixtures' poses, by default those of the scene's home; see :meth:`restore`.
         Raises ``SIM004`` when the state is another scene's, ``SIM003`` when it is not finite.
         """
         flat = self._flat.checked(state)
@@ -143,7 +143,7 @@ class Simulation:
         return self._stepper.touched
 
     def snapshot(self) -> Snapshot:
-        """All that decides what happens next, hidden state included."""
+        """The complete simulation state, including hidden state."""
         integration = np.empty_like(self._good)
         mujoco.mj_getState(self.model, self.data, integration, FULL)
         return self._snapshot(integration, *self._stepper.take())

@@ -1,4 +1,4 @@
-"""Skills for joints: which ways there are to satisfy a fact, told by the joint's type and the part's shape."""
+"""Skills for joints: the ways to satisfy a fact, by the joint's type and the part's shape."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from runtime.worlds.libero.skills.world import SkillWorld
 
 __all__ = ["JointSkill", "joint_skills", "widening_skills"]
 
-SAME, SAME_TURN = 0.008, 0.1  # metres, radians: a contact that differs by less is the same again
+SAME, SAME_TURN = 0.008, 0.1  # metres, radians: contacts that differ by less are the same
 KNOB = 0.08  # metres; what turns and is wider is a door
 
 
@@ -48,9 +48,9 @@ class JointSkill:
 def joint_skills(
     world: SkillWorld, reach_: Reach, schema: Schema, fact: Fact, tried: Sequence[Pose] = ()
 ) -> Iterator[JointSkill]:
-    """The ways to satisfy a fact about a joint, the best first; none when it speaks of something else or holds.
+    """The ways to satisfy a fact about a joint, the best first; none if it holds or is about something else.
 
-    What is near one of the poses ``tried`` of the gripper at the part is left out.
+    Ways near one of the gripper poses ``tried`` are left out.
     """
     yield from _skills(world, reach_, articulations(world, schema, fact), tried)
 
@@ -58,7 +58,7 @@ def joint_skills(
 def widening_skills(
     world: SkillWorld, reach_: Reach, schema: Schema, fact: Fact, tried: Sequence[Pose] = ()
 ) -> Iterator[JointSkill]:
-    """The ways to open further the drawer that the place of a fact about an object lies in."""
+    """The ways to open a drawer further, if the target of a fact about an object is in it."""
     yield from _skills(world, reach_, wider(world, schema, fact), tried)
 
 

@@ -1,4 +1,4 @@
-"""Set an object aside: where on the table or floor it can stand freely, out of the way of what is to come."""
+"""Free spots on the table or floor where an object can be set aside, out of the way of later motions."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ RIM = np.arange(8) * np.pi / 4
 def free_spots(
     world: SkillWorld, entity: str, holds: Callable[[Pose], bool], ways: Sequence[Way] = ()
 ) -> list[PlacingSpot]:
-    """Where ``entity`` can stand on the table or floor with nothing beside or over it, the nearest first.
+    """Spots where ``entity`` can stand on the table or floor with nothing next to or above it, the nearest first.
 
-    ``holds`` says whether the required fact is true with the object at a pose. What lies near one of ``ways``, which
-    other objects are yet to be brought along, or where the hand pushes from, is left out unless there is nothing else.
+    ``holds`` says whether the required fact is true with the object at a pose. Spots near one of ``ways``, the paths of
+    other objects, or near where the hand starts a push are left out unless there are no others.
     """
     body = world.pose(entity)
     upright = level(body.rotation, np.pi / 2)

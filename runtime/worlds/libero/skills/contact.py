@@ -1,4 +1,4 @@
-"""One way to move an articulated part: take hold of it or lean on it at a pose, and follow the part along its joint."""
+"""One way to move an articulated part: grip or push it at a pose, and follow it along its joint."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["GripContact", "actuate", "drive", "feasible", "reachable"]
 
 Array = NDArray[np.float64]
 
-LEAD_SLIDE, LEAD_HINGE, LEAD_TWIST = 0.06, 0.12, 0.5  # how far the gripper's goal is ahead: metres of its way, radians
+LEAD_SLIDE, LEAD_HINGE, LEAD_TWIST = 0.06, 0.12, 0.5  # how far the gripper's goal is ahead: metres of its path, radians
 OVERSHOOT = 0.05  # metres of the gripper's way beyond the joint's limit, so that it presses
 STEPS = 90
 AWAY = 0.07  # metres; fingers that open then do not touch the part
@@ -44,8 +44,8 @@ class GripContact:
     """``pose`` of the gripper at the part as it stands; ``approach`` (3,) is the way from there back to free space.
 
     ``grips`` closes the fingers on the part, otherwise closed fingers push. ``follows`` is the share of the part's turn
-    that the gripper takes part in. ``until`` is where the joint is let go before it is at its goal, for another contact
-    to go on. ``slim`` says that what is gripped leaves the open fingers so much room that they may close on the way.
+    that the gripper makes. ``until`` is where the joint is released before its goal, to continue with another contact.
+    ``slim``: the gripped part is so thin that the open fingers may start to close on the way.
     """
 
     pose: Pose
@@ -58,7 +58,7 @@ class GripContact:
 
     @property
     def before(self) -> Pose:
-        """Where the way to the contact begins."""
+        """The pose from which the contact is approached."""
         return self.pose.moved(self.approach)
 
 
@@ -74,7 +74,7 @@ def target(art: Articulation, contact: GripContact, start: float, position: floa
 def feasible(
     world: SkillWorld, reach_: Reach, art: Articulation, contacts: Iterable[GripContact]
 ) -> Iterator[GripContact]:
-    """Those of ``contacts`` that the arm reaches, from before the contact until the joint is at its goal.
+    """The ``contacts`` that the arm can reach, from before the contact until the joint is at its goal.
 
     First those that touch nothing else; then those that would push movable objects aside.
     """
@@ -118,9 +118,9 @@ def _reached(
 def reachable(
     world: SkillWorld, reach_: Reach, art: Articulation, contacts: Iterable[GripContact]
 ) -> Iterator[tuple[GripContact, list[Pose]]]:
-    """Those of ``contacts`` that are :func:`feasible` and to which a way leads, with that way.
+    """The ``contacts`` that are :func:`feasible` and have a free path, with that path.
 
-    Where no way leads to any of them, their order stands, and the way is the one from above.
+    If none has a free path, all are given in their order, with the path from above.
     """
     barred = []
     for contact in feasible(world, reach_, art, contacts):
@@ -135,9 +135,9 @@ def reachable(
 def actuate(
     world: SkillWorld, art: Articulation, contact: GripContact, ways: Sequence[Pose] = ()
 ) -> Generator[Action, None, None]:
-    """Go ``ways`` to ``contact``, move the joint past its bound, let go and withdraw.
+    """Follow ``ways`` to ``contact``, move the joint past its bound, release and withdraw.
 
-    Raises :class:`SkillFault` where that failed.
+    Raises :class:`SkillFault` if that fails.
     """
     fingers = OPEN if contact.grips else CLOSED
     arrived = (
@@ -217,7 +217,7 @@ def _rest(world: SkillWorld, art: Articulation, contact: GripContact) -> Generat
 
 
 def withdraw(world: SkillWorld, contact: GripContact) -> Generator[Action, None, None]:
-    """Let go, and leave the part without touching it again."""
+    """Release, and withdraw without touching the part again."""
     if contact.grips:
         yield from grip(world, OPEN, RELEASE)
         yield from reach(world, world.eef.backed(0.07), OPEN, near=0.02, steps=10)

@@ -1,7 +1,7 @@
-"""One task and initial state in, one episode that skills played, as the records that every correction loop makes.
+"""Plays one episode with skills, and records it like an episode of the correction loop.
 
-A play decides in its own simulation, in the exact loop. What is recorded is a second run of its actions, from the same
-snapshot and in LIBERO's own environment: what each attempt saw is grounded there, and LIBERO's predicate decides.
+A player decides in its own simulation, in the exact loop. The record is of a second run of its actions, from the same
+snapshot in LIBERO's own environment: each attempt is grounded there, and LIBERO's predicate decides.
 """
 
 from __future__ import annotations
@@ -48,13 +48,13 @@ __all__ = ["EpisodePlayer", "EpisodeRecord", "Plays"]
 
 Array = NDArray[np.float64]
 
-# How a mechanism's execution ended, by what a play says of a try; the words of trace:ExecutionEnd.
+# How a mechanism's execution ended, by the outcome of a try; the terms of trace:ExecutionEnd.
 _ENDS = {"held": "completed", "unmet": "completed", "horizon": "out_of_steps"}
 _FAULTS = frozenset(("unreachable", "lost", "missed", "blocked"))
 
 
 class Plays(Protocol):
-    """What plays episodes of one goal; :class:`~runtime.worlds.libero.skills.play.Player` does."""
+    """Plays episodes of one goal; see :class:`~runtime.worlds.libero.skills.play.Player`."""
 
     def reactive(self, sim: Simulation, horizon: int) -> PlayedEpisode:
         """Play from the present state for at most ``horizon`` control steps, without looking ahead."""
@@ -67,9 +67,9 @@ class Plays(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EpisodeRecord:
-    """A recorded episode, and what it went through: ``actions`` (n, 7) and ``qpos`` (n + 1, nq).
+    """A recorded episode with its ``actions`` (n, 7) and ``qpos`` (n + 1, nq).
 
-    Attempt k took the actions from ``bounds[k]`` up to ``bounds[k + 1]``: none, where no skill had a way.
+    Attempt k took the actions from ``bounds[k]`` up to ``bounds[k + 1]``: none if no skill had a candidate.
     """
 
     episode: Episode
@@ -79,7 +79,7 @@ class EpisodeRecord:
 
 
 class _Watched(Simulation):
-    """Remembers the fault that broke a step off: a play ends there and does not say why."""
+    """Stores the fault of a step, at which a play ends."""
 
     fault: RunFault | None = None
 
@@ -95,7 +95,7 @@ class _Watched(Simulation):
 class EpisodePlayer:
     """A task's scene, which ``player`` plays in and ``replay`` judges; each episode starts by a state write.
 
-    ``maker`` names in the record whose candidates were carried out.
+    ``maker`` is the name, in the record, of the source of the candidates.
     """
 
     ref: TaskRef
@@ -118,7 +118,7 @@ class EpisodePlayer:
     ) -> EpisodeRecord:
         """Start from official initial state ``state_index`` (or, GIVEN, a flat ``state``), play, and record.
 
-        ``settle`` is how many control steps without motion come first, where :func:`settling`'s are not wanted.
+        ``settle`` is the number of control steps without motion before it, by default that of :func:`settling`.
         ``report`` is called with each attempt as soon as it is recorded.
 
         Raises:
@@ -194,7 +194,7 @@ class _NativeRun:
     opening: Verification = field(init=False)
 
     def run(self) -> None:
-        """Go through the actions, and make an attempt of each try."""
+        """Replay the actions, and make an attempt of each try."""
         replay = self.stage.replay
         replay.begin(self.start)
         self.initial, self.premise, self.opening = replay.observe(), replay.observe_premise(), replay.verify()
@@ -256,7 +256,7 @@ class _NativeRun:
         return Attempt(index, observation, diagnoses, decision, application, verification, broken)
 
     def _diagnosed(self, fact: str, observation: Observation) -> tuple[tuple[Diagnosis, ...], Diagnosis]:
-        """What is unmet, and of that the diagnosis of ``fact``, whose own preconditions may be unmet too."""
+        """The unmet facts, and the diagnosis of ``fact``; preconditions may be unmet too."""
         required = self.stage.required
         found = diagnose_goal(required, observation, self.stage.knowledge.tables)
         unmet_conditions = self._conditions(observation)
@@ -271,7 +271,7 @@ class _NativeRun:
         raise _differs(f"`{fact}`, which the play acted on, is not unmet there")
 
     def _conditions(self, observation: Observation) -> list[Diagnosis]:
-        """What is unmet of the preconditions."""
+        """The unmet preconditions."""
         required, knowledge = self.stage.required, self.stage.knowledge
         seen = self.stage.replay.observe_conditions()
         holds = satisfied([each.fact for each in required.preconditions], seen)

@@ -6,7 +6,7 @@ __all__ = ["SkillFault"]
 
 
 class SkillFault(Exception):  # noqa: N818 - a finding about the attempt, not an error of the program
-    """A skill that cannot go on; ``kind`` is one word for it: ``unreachable``, ``lost``, ``missed`` or ``blocked``."""
+    """A skill that cannot continue; ``kind`` is one of ``unreachable``, ``lost``, ``missed`` or ``blocked``."""
 
     def __init__(self, kind: str, message: str) -> None:
         super().__init__(message)

@@ -21,7 +21,7 @@ class Pose:
     rotation: Array
 
     def __matmul__(self, other: Pose) -> Pose:
-        """The pose of what stands at ``other`` in the frame of this one."""
+        """The composition of two transforms: ``other`` is relative to this pose."""
         return Pose(self.position + self.rotation @ other.position, self.rotation @ other.rotation)
 
     def inverse(self) -> Pose:

@@ -1,4 +1,4 @@
-"""Where a part can be taken hold of: what protrudes farthest in a direction, and how it lies."""
+"""Handles: the part that protrudes farthest in a direction, and its orientation."""
 
 from __future__ import annotations
 

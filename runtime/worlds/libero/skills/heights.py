@@ -1,4 +1,4 @@
-"""Height maps: where a shape that is lowered from above comes to rest on what is below."""
+"""Height maps: the height at which a shape that is lowered from above comes to rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An articulated part as a skill sees it: which joint a fact asks for, how far, and where its body goes meanwhile."""
+"""Articulated parts for skills: the joint of a fact, how far it must move, and the motion of its body."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Articulation", "articulation", "articulations", "wider"]
 
 Array = NDArray[np.float64]
 
-# How far past the bound a skill goes, so that what comes after does not undo it: metres on a slide, radians on a hinge.
+# How far past the bound a skill moves a joint, as a safety margin: metres on a slide, radians on a hinge.
 MARGIN_SLIDE, MARGIN_HINGE = 0.006, 0.08
 NARROW = 0.015  # width of a satisfied side, metres or radians
 _PART, _NARROW_PART = 0.5, 0.1  # of a satisfied side that is narrower than twice the margin, and of a narrow one
@@ -31,10 +31,10 @@ _UNLIMITED = 1e3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Articulation:
-    """A hinge or slide and the way it has to go. Joint positions in metres or radians; ``axis`` is a unit vector.
+    """A hinge or slide and its required motion. Joint positions in metres or radians; ``axis`` is a unit vector.
 
-    ``start`` is where the joint was when this was made, ``goal`` where it has to come to (``bound`` and some margin)
-    and ``end`` the limit of its range beyond.
+    ``start`` is the initial position of the joint, ``goal`` the target (``bound`` plus a margin) and ``end`` the limit
+    of its range beyond.
     """
 
     joint: int
@@ -49,7 +49,7 @@ class Articulation:
 
     @property
     def sign(self) -> float:
-        """+1 where the joint has to go up, -1 where down."""
+        """+1 if the joint position must increase, -1 if it must decrease."""
         return 1.0 if self.goal >= self.bound else -1.0
 
     def position(self, world: SkillWorld) -> float:
@@ -57,9 +57,9 @@ class Articulation:
         return float(world.data.qpos[self.address(world)])
 
     def coasting(self, world: SkillWorld, seconds: float) -> float:
-        """Where the joint will be after so long if it is left alone, by its inertia and damping.
+        """The joint position after a time without contact, by its inertia and damping.
 
-        What is damped strongly stops with the hand.
+        A strongly damped joint stops with the hand.
         """
         dof = int(world.model.jnt_dofadr[self.joint])
         decay = float(world.model.dof_damping[dof] / max(world.model.dof_M0[dof], 1e-9))
@@ -79,7 +79,7 @@ class Articulation:
         return int(world.model.jnt_qposadr[self.joint])
 
     def left(self, position: float) -> float:
-        """How much is missing to the goal at a joint position; not positive when it is reached."""
+        """The remaining motion to the goal from a joint position; not positive when it is reached."""
         return self.sign * (self.goal - position)
 
     def displacement(self, before: float, after: float) -> Pose:
@@ -126,23 +126,23 @@ def articulation(world: SkillWorld, joint: int, threshold: JointThreshold, *, po
 
 
 def articulations(world: SkillWorld, schema: Schema, fact: Fact) -> list[Articulation]:
-    """The joints on the wrong side, the one with the least to go first; none where ``fact`` is of something else.
+    """The joints on the wrong side, the nearest to its goal first; none if ``fact`` is about something else.
 
-    Where any joint suffices and one is on the right side, there is none either.
+    Also none if any joint suffices and one is on the right side.
     """
     threshold = threshold_of(schema, fact)
     return [] if threshold is None else _missing(world, fact.native.arguments[0], threshold, polarity=fact.polarity)
 
 
 def wider(world: SkillWorld, schema: Schema, fact: Fact) -> list[Articulation]:
-    """The drawers that the place of ``fact`` lies in and that can be opened further, up to their limit."""
+    """The drawers that contain the target of ``fact`` and can be opened further, up to their limit."""
     named = _opening(world, schema, fact)
     found = [replace(art, goal=art.end - art.sign * SHORT) for art in (_moving(world, *named) if named else ())]
     return [art for art in found if art.slides and art.left(art.start) > WORTH]
 
 
 def _opening(world: SkillWorld, schema: Schema, fact: Fact) -> tuple[str, JointThreshold] | None:
-    """What has to be open for an object to be put where ``fact`` asks it to be, and when it counts as open."""
+    """The joint that must be open to put an object at the target of ``fact``, and its threshold."""
     place = place_of(world.index, fact)
     if place is None or place.site is None or place.parent is None or not (place.contains and fact.polarity):
         return None

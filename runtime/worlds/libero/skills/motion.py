@@ -1,4 +1,4 @@
-"""Motions as generators: each yields an action, sees the world that it led to, and returns whether it arrived.
+"""Motions as generators: each yields an action, reads the resulting world, and returns whether it arrived.
 
 An action is OSC_POSE's: (7,) in [-1, 1], position, rotation vector, gripper (-1 opens, +1 closes). Steps are control
 steps of 1/20 s. Because a motion never touches the simulation, the same one drives a real run, a rehearsal in a fork,

@@ -1,4 +1,4 @@
-"""The skills of the house's own action routes: joints are moved; objects are carried, or slid where they lie flat."""
+"""The skills of the action routes that ship: move a joint; carry an object, or slide a flat one."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class SkillCandidate:
 
 
 class MovingJoints:
-    """Brings a joint to the side that a fact asks for."""
+    """Moves a joint to the side that a fact requires."""
 
     name = "joint"
 
@@ -45,7 +45,7 @@ class MovingJoints:
 
 
 class Carrying:
-    """Brings an object to where a fact asks it to be, or away from where it must not be."""
+    """Moves an object to the target of a fact, or away from it if the fact must not hold."""
 
     name = "carry"
 
@@ -53,7 +53,7 @@ class Carrying:
         self._schema = schema
 
     def candidates(self, request: SkillRequest) -> Iterator[SkillCandidate]:
-        """Pairs of a grasp and a spot, the best first; before them pushes, of what lies flat where it has to go."""
+        """Pairs of a grasp and a spot, the best first; before them pushes, if it is flat on the target's surface."""
         world, reach = request.world, request.reach
         place = place_of(world.index, request.fact)
         if place is None:

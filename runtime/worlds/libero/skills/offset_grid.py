@@ -1,8 +1,8 @@
-"""Candidates from a finite grid of offsets beside a landmark, gone through in order until the verifier accepts one.
+"""Candidates from a finite grid of offsets beside a landmark, tried in order until the verifier accepts one.
 
-The paper tells of LIBERO-90 Task 76 that an OSC-Pose pick-and-place controller with a "finite offset grid" supplies
-another candidate after a rejection, and prints no offsets. This grid is ours. It does not look at the region that the
-fact asks for: it begins far from the landmark, where the hand has room to let go low, and comes nearer.
+For LIBERO-90 Task 76 the paper uses an OSC-Pose pick-and-place controller with a "finite offset grid", which supplies
+another candidate after a rejection; it gives no offsets. This grid is ours. It ignores the region of the fact: it
+starts far from the landmark, where the hand has room to release low, and comes nearer.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 AWAY = (0.4, 0.3, 0.2)  # metres from the landmark's origin, along the axis of the side that the fact names
 ASIDE = (0.0, 0.1, -0.1)  # metres across that axis
-GRASPS = 12  # that are looked at for each offset
+GRASPS = 12  # that are checked for each offset
 SAME = 0.01  # metres
 AROUND = 0.35
 
@@ -51,7 +51,7 @@ class Offset:
 
     @property
     def poses(self) -> tuple[Pose, ...]:
-        """The spot: a grasp that served may serve again."""
+        """The spot, so that the same grasp can be used with another spot."""
         return (self.spot.pose,)
 
     def run(self, world: SkillWorld, _: Reach) -> Generator[Action, None, None]:

@@ -1,7 +1,7 @@
-"""In which order the facts of a goal are brought about under dynamics: by declared preconditions, then by priority.
+"""The order in which to achieve the facts of a goal under dynamics: by declared preconditions, then by priority.
 
-Statuses in, steps out: nothing here looks at a scene or names a predicate. The order is worked out as a play in which
-each step makes its fact true and what excludes it false, so that a drawer which has to be opened is also closed again.
+From statuses to steps, without a scene or predicate names. The order is found by symbolic simulation: each step makes
+its fact true and the facts that it excludes false, so that a drawer that is opened on the way is also closed again.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from runtime.loop.records import Diagnosis
 __all__ = ["GoalStep", "diagnose_step", "preconditions", "ready", "sequence"]
 
 _SATISFIED, _FALSE = STATUSES.index(SATISFIED), STATUSES.index(EXPLICITLY_FALSE)
-_LAST = 1000  # the priority of a fact that no rule speaks of
+_LAST = 1000  # the priority of a fact without a rule
 Key = tuple[bool, int]  # whether it is a precondition, and its place among those or among the required facts
 
 
@@ -48,12 +48,12 @@ def preconditions(required: RequiredABox) -> tuple[tuple[Fact, ...], ...]:
 def ready(
     required: RequiredABox, observed: Observation, conditions: Observation, knowledge: Knowledge
 ) -> tuple[GoalStep, ...]:
-    """What is left to do, the next step first; empty if the nearest alternative of the goal holds.
+    """The remaining steps, the next one first; empty if the nearest alternative of the goal holds.
 
     ``observed`` is aligned with ``required.facts`` and ``conditions`` with ``required.preconditions``.
 
     Raises:
-        OntoError: RUN012 if the facts have no order in which each can be brought about.
+        OntoError: RUN012 if no order achieves every fact.
     """
     facts = evidence_status(required.facts, observed)
     before = evidence_status([each.fact for each in required.preconditions], conditions)
@@ -71,11 +71,11 @@ def sequence(
 ) -> tuple[GoalStep, ...]:
     """As :func:`ready`, of statuses given as places in :data:`onto_compiler.tables.STATUSES`.
 
-    ``way`` are the facts that count; without it all do. A fact comes after its unmet preconditions; one that excludes a
-    precondition of another unmet fact waits for that one; then the smaller priority goes first, then what comes first.
+    ``way`` limits the facts; by default all count. A fact comes after its unmet preconditions, and after any unmet fact
+    with a precondition that it excludes; then the smaller priority comes first, then the earlier fact.
 
     Raises:
-        OntoError: RUN012 if the facts have no such order.
+        OntoError: RUN012 if no order achieves every fact.
     """
     chosen = tuple(range(len(required.facts))) if way is None else tuple(way)
     return _Play(required, knowledge, chosen, list(facts), list(conditions)).steps()
@@ -101,7 +101,7 @@ class _Play:
     required: RequiredABox
     knowledge: Knowledge
     way: tuple[int, ...]
-    facts: list[int]  # statuses, as the play goes on
+    facts: list[int]  # statuses during the symbolic simulation
     conditions: list[int]
     done: list[GoalStep] = field(default_factory=list)
 
@@ -127,9 +127,9 @@ class _Play:
         return next((key for key in found if not self._comes_later(self._fact(key), unmet)), found[0])
 
     def _first(self, index: int, free: Sequence[int], above: frozenset[int]) -> Key:
-        """What comes first on the way to a required fact: itself, or what brings about its first unmet precondition.
+        """The first step towards a required fact: itself, or the fact that achieves its first unmet precondition.
 
-        That is another required fact where one does, which would be brought about anyway.
+        If another required fact achieves it, that one is taken, since it is needed anyway.
         """
         fact = self.required.facts[index]
         also = (
@@ -155,7 +155,7 @@ class _Play:
         return True, place
 
     def _comes_later(self, fact: Fact, unmet: Sequence[int]) -> bool:
-        """Whether an unmet fact, once it is brought about, satisfies this one or undoes it."""
+        """Whether an unmet fact, once achieved, satisfies this one or undoes it."""
         others = (self.required.facts[index] for index in unmet)
         return any(
             entails(each, fact, self.knowledge.schema) or self._undoes(each, fact)
@@ -167,7 +167,7 @@ class _Play:
         return any(exclude(effect, other, self.knowledge.schema) for effect in self._effects(one))
 
     def _effects(self, fact: Fact) -> list[Fact]:
-        """The fact, and those of the task that it satisfies when it is brought about."""
+        """The fact, and those of the task that it satisfies when achieved."""
         known = (*self.required.facts, *(each.fact for each in self.required.preconditions))
         return [fact, *(each for each in known if entails(fact, each, self.knowledge.schema))]
 
@@ -175,14 +175,14 @@ class _Play:
         return self._priority(self.required.facts[index], self.facts[index]), index
 
     def _pending(self, unmet: Sequence[int]) -> set[int]:
-        """What has to be brought about yet: the unmet facts, and what holds and has to be undone for one of them."""
+        """The facts still to achieve: the unmet ones, and satisfied ones that must be undone for one of them."""
         pending = set(unmet)
         while more := {index for index in self.way if index not in pending and self._waits(index, pending)}:
             pending |= more
         return pending
 
     def _waits(self, index: int, pending: Collection[int]) -> bool:
-        """Whether the fact excludes what another pending fact needs first."""
+        """Whether the fact excludes a precondition of another pending fact."""
         fact = self.required.facts[index]
         return any(
             other != index and other in pending and exclude(fact, each.fact, self.knowledge.schema)

@@ -1,4 +1,4 @@
-"""Pick an object: choose a grasp that the arm can reach, go there, close, lift, and see that it came along."""
+"""Pick an object: choose a reachable grasp, approach, close, lift, and check that the object is held."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ Array = NDArray[np.float64]
 APPROACH = 0.08  # metres before the grasp
 LIFT = 0.05
 OFF_GROUND = 0.006  # metres, while it is pulled out from under something
-KEPT = 0.5  # of the gripper's rise that what it holds must share
+KEPT = 0.5  # share of the gripper's rise that a held object must follow
 NEIGHBOURHOOD = 0.25
 FAR = 0.02  # metres from the grasp, at which closing makes no sense
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Holding:
-    """What is held, and its pose in the gripper's frame."""
+    """The held object, and its pose in the gripper's frame."""
 
     entity: str
     local: Pose
@@ -42,7 +42,7 @@ def grasps_of(world: SkillWorld, entity: str, search: Search | None = None) -> l
     low, high = cloud.min(axis=0), cloud.max(axis=0)
     centre = np.append(world.data.xipos[world.index.root_body(entity)][:2], 0.5 * (low[2] + high[2]))
     near = world.near(around, centre, NEIGHBOURHOOD)
-    # What lies under the object limits the depth; the tips stay 3 mm above where it rests.
+    # The surface below the object limits the depth; the tips stay 3 mm above it.
     return find_grasps(cloud, near[near[:, 2] > low[2] + 0.002], centre, float(low[2]) + 0.003, world.eef, search)
 
 
@@ -53,7 +53,7 @@ def alike(a: Pose, b: Pose) -> bool:
 
 
 def pick(world: SkillWorld, entity: str, grasp: Grasp) -> Generator[Action, None, Holding]:
-    """Grasp and lift ``entity``; raises :class:`SkillFault` where it did not come along."""
+    """Grasp and lift ``entity``; raises :class:`SkillFault` if it is not held."""
     body = world.pose(entity)
     local = body.inverse() @ grasp.pose  # the grasp follows the object if it moves meanwhile
     yield from transit(world, grasp.pose.backed(APPROACH), OPEN)

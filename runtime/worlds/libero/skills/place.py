@@ -1,4 +1,4 @@
-"""Place a held object: find where it comes to rest in its target, go over it, lower, let go, and withdraw."""
+"""Place a held object: find a resting pose in its target, move above it, lower, release, and withdraw."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ SUNK = 0.001  # metres below where it rests: a contact is then seen
 class PlacingSpot:
     """A pose at which the object rests, and a ``cost``: its height, and its distance from the middle.
 
-    It is brought there from the direction ``entry`` (3,): from above, or through an opening at the side.
+    It is entered from the direction ``entry`` (3,): from above, or through an opening at the side.
     """
 
     pose: Pose
@@ -72,12 +72,12 @@ def cost_of(spot: PlacingSpot) -> float:
 def spots(
     world: SkillWorld, target: PlacementTarget, turn: Array, holds: Callable[[Pose], bool], sharing: int = 1
 ) -> list[PlacingSpot]:
-    """Where an object comes to rest in its ``target`` when it is let go upright, then turned by ``turn`` (3, 3).
+    """Resting poses of an object in its ``target`` when it is released upright, then turned by ``turn`` (3, 3).
 
     Upright is along the z of the target's site: a rack holds a bottle along its slope. The best come first. ``holds``
-    says whether the required fact is true with the object at a pose; where it is not, there is no spot, but where it is
-    true nowhere in a place without walls, all are given. What has a ceiling is entered from the side. ``sharing``
-    objects of this size have to find room in the target.
+    says whether the required fact is true with the object at a pose; other poses are left out, unless it is true
+    nowhere in a place without walls. A target with a ceiling is entered from the side. ``sharing`` objects of this size
+    must fit in the target.
     """
     frame, half = _area(world, target)
     body = world.pose(target.subject)
@@ -134,7 +134,7 @@ def _resting(
 
 
 def _middles(cloud: Array, frame: Pose, half: Array, sharing: int) -> Array:
-    """Where ``sharing`` objects stand side by side in the area, (k, 2): along the side that has most to spare."""
+    """Positions (k, 2) of ``sharing`` objects side by side in the area, along its side with the most room."""
     if sharing <= 1:
         return np.zeros((1, 2))
     size = np.ptp(cloud @ frame.rotation, axis=0)[:2]
@@ -196,14 +196,14 @@ def _area(world: SkillWorld, target: PlacementTarget) -> tuple[Pose, Array]:
 
 
 def place(world: SkillWorld, holding: Holding, spot: PlacingSpot, release: float) -> Generator[Action, None, None]:
-    """Bring what is held to ``spot``, let go ``release`` metres above it, withdraw.
+    """Bring the held object to ``spot``, release it ``release`` metres above, withdraw.
 
-    Raises :class:`SkillFault` where it was lost on the way.
+    Raises :class:`SkillFault` if it is lost on the way.
     """
     drop = spot.pose.moved(np.array([0.0, 0.0, release]))
     goal = drop @ holding.local.inverse()
     yield from transit(world, goal.moved(spot.before), CLOSED, carried=holding.entity)
-    # It may have slipped or turned in the fingers.
+    # The object may have slipped or turned in the fingers.
     slipped = world.eef.inverse() @ world.pose(holding.entity)
     if np.linalg.norm(slipped.position - holding.local.position) > SLIPPED or world.aperture < EMPTY:
         raise SkillFault("lost", f"`{holding.entity}` fell out of the gripper")

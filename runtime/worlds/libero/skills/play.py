@@ -1,7 +1,7 @@
-"""One episode played by skills under dynamics: look, choose what is unmet, act, and try the next way where it failed.
+"""Plays one episode with skills under dynamics: observe, choose an unmet fact, act, try the next candidate on failure.
 
 *Reactive* play takes each decision once, in the running episode. *Look-ahead* play tries the candidates of a decision
-in a fork of the simulation first, and carries out the best of them: the simulator is its world model.
+in a fork of the simulation first, and executes the best of them: the simulator is its world model.
 """
 
 from __future__ import annotations
@@ -51,10 +51,10 @@ _OVER = "horizon"
 
 @dataclass(frozen=True, slots=True)
 class SkillAttempt:
-    """One skill that was carried out: for which fact, by which route, which candidate, how long, and with what end.
+    """One executed skill: its fact, route, candidate, number of steps and outcome.
 
     ``outcome`` is ``held`` where the fact was true afterwards, ``unmet`` where it was not, the kind of the
-    :class:`SkillFault`, or ``horizon`` where the episode was over. ``reason`` is what the fault said.
+    :class:`SkillFault`, or ``horizon`` if the episode was over. ``reason`` is the message of the fault.
     """
 
     fact: str
@@ -68,9 +68,9 @@ class SkillAttempt:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlayedEpisode:
-    """The actions of an episode (n, 7), what was tried, and what the goal's facts were at the end.
+    """The actions of an episode (n, 7), the executed skills, and the goal's facts at the end.
 
-    ``left`` is what was still to do, the next step first, where it ended because no skill had a way to any of it.
+    ``left`` are the remaining steps, the next one first, if it ended because no skill had a candidate for any.
     """
 
     actions: Array
@@ -87,7 +87,7 @@ class _HorizonReached(Exception):  # noqa: N818 - the end of an episode, not an 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Tried:
-    """A grasp that was tried, and where everything but the robot then was."""
+    """A grasp that was tried, and the poses of everything but the robot at that time."""
 
     pose: Pose
     scene: Array
@@ -99,7 +99,7 @@ class _Tried:
 
 @dataclass(slots=True)
 class _Episode:
-    """A running episode: the simulation, the actions so far and the grasps that were tried, by fact."""
+    """A running episode: the simulation, the actions so far, and the grasps tried, by fact."""
 
     sim: Simulation
     world: SkillWorld
@@ -170,15 +170,15 @@ class Player:
         )
 
     def _steps(self, sim: Simulation) -> tuple[GoalStep, ...]:
-        """What is left to do, the next step first."""
+        """The remaining steps, the next one first."""
         observed, conditions = self.grounder.observe(sim.data), self.conditions.observe(sim.data)
         return ready(self.required, observed, conditions, self.knowledge)
 
     def _act(self, episode: _Episode, candidates: int) -> bool:
-        """Carry out one skill for the first step that has a way; False if nothing is left or can be done."""
+        """Execute one skill for the first step with a candidate; False if no step is left or none has a candidate."""
         for step in self._steps(episode.sim):
             if self._true(episode.sim, step):
-                continue  # it will be undone on the way, and is then to be done again
+                continue  # it will be undone on the way, and must be achieved again then
             decision = self._route(episode, step)
             skill = self.skills.get(local_name(decision.route)) if decision else None
             if decision is None or skill is None:
@@ -195,7 +195,7 @@ class Player:
                 same = [each for each in tried if each.again(scene)]
                 if len(same) == len(tried):
                     break
-                tried[:] = same  # the scene has changed since: what failed before may do now
+                tried[:] = same  # the scene has changed: a grasp that failed before may work now
         return False
 
     def _record(self, episode: _Episode, step: GoalStep, decision: RouteDecision, plan: SkillPlan) -> None:
@@ -225,7 +225,7 @@ class Player:
         return next(found, None) if candidates <= 1 else self._rehearse(episode, step, found, candidates)
 
     def _carry_out(self, episode: _Episode, plan: SkillPlan, step: GoalStep) -> tuple[str, str]:
-        """The outcome, and why where it gave up."""
+        """The outcome, and the reason if it gave up."""
         world = episode.world
         try:
             episode.drive(plan.run(world, episode.reach))
@@ -249,7 +249,7 @@ class Player:
     ) -> SkillPlan | None:
         """Try plans in a fork, each with the rest of the episode played reactively; the first that reaches the goal.
 
-        Where none does, the one after which least was left to do.
+        If none does, the one with the fewest remaining steps.
         """
         fork = Simulation(self.scene, exact=episode.sim.exact)
         start = episode.sim.snapshot()
@@ -287,7 +287,7 @@ class Player:
         )
 
     def _ways(self, world: SkillWorld, step: GoalStep) -> tuple[tuple[Array, Array], ...]:
-        """From where other objects are to where the goal wants them, seen from above."""
+        """The paths of other objects to their goal positions, seen from above."""
         ways = []
         for fact in self.required.facts:
             place = place_of(self.scene.index, fact)
@@ -300,7 +300,7 @@ class Player:
     def _holds(self, world: SkillWorld, step: GoalStep) -> Callable[[Pose], bool]:
         """Whether the fact would be true with its first argument at a pose, everything else as it is.
 
-        What is only to be taken away must not undo anything there: it can stand elsewhere.
+        A pose that only satisfies a negated fact must not undo any other fact.
         """
         fact = step.fact
         name = fact.native.arguments[0]
@@ -326,7 +326,7 @@ class Player:
         return holds
 
     def _kept(self, world: SkillWorld, fact: Fact) -> tuple[tuple[SimGrounder, NDArray[np.bool_]], ...]:
-        """Which facts of the goal and of its preconditions hold, and can hold yet when ``fact`` does."""
+        """The facts of the goal and its preconditions that hold and are not excluded by ``fact``."""
         schema = self.knowledge.schema
         kept = []
         for grounder in (self.grounder, self.conditions):

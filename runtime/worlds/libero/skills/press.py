@@ -1,4 +1,4 @@
-"""Press down what leans on the front of a drawer, so that it lies flat and the drawer can be shut."""
+"""Press down an object that leans on the front of a drawer, so that it lies flat and the drawer can be closed."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ STEPS = 35
 
 
 def inward(world: SkillWorld, place: PlacementTarget) -> Array | None:
-    """The direction (3,) in which the drawer of ``place`` shuts; None if it is in no drawer."""
+    """The direction (3,) in which the drawer of ``place`` closes; None if it is in no drawer."""
     if place.site is None or not place.contains:
         return None
     model, data = world.model, world.data

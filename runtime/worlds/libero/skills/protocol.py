@@ -1,4 +1,4 @@
-"""What a skill is given and what it gives back: plans, each a motion of the arm that may make one fact true."""
+"""The interface of skills: plans, each a motion of the arm that may make one fact true."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ __all__ = ["Skill", "SkillPlan", "SkillRequest"]
 
 @dataclass(frozen=True, slots=True)
 class SkillRequest:
-    """The fact that a skill has to make true, and the world as it is; never a task name.
+    """The fact that a skill must make true, and the present world; never a task name.
 
-    ``holds`` says whether the fact would be true with its first argument at a pose, or is None if nothing can tell.
+    ``holds`` says whether the fact would be true with its first argument at a pose; None if that is unknown.
     ``tried`` are the grasps that failed for this fact already; ``sharing`` facts speak of the same place.
     ``ways`` lead from the other objects of the goal to where it wants them: (2,) and (2,) in the world.
     """
@@ -44,7 +44,7 @@ class SkillPlan(Protocol):
     def run(self) -> Callable[[SkillWorld, Reach], Generator[NDArray[np.float64], None, None]]:
         """The motion, as actions (7,) of one control step each, in closed loop on the world that is given.
 
-        It raises :class:`~runtime.worlds.libero.skills.fault.SkillFault` where it gives up.
+        Raises :class:`~runtime.worlds.libero.skills.fault.SkillFault` if it gives up.
         """
         ...
 
@@ -55,7 +55,7 @@ class SkillPlan(Protocol):
 
     @property
     def note(self) -> str:
-        """What the plan does, in a few words for the record."""
+        """A short description of the plan, for the record."""
         ...
 
 
@@ -65,5 +65,5 @@ class Skill(Protocol):
     name: str
 
     def candidates(self, request: SkillRequest) -> Iterator[SkillPlan]:
-        """The plans for ``request``, the best first and none near what was tried; none where it cannot help."""
+        """The plans for ``request``, the best first, without those near a tried grasp; empty if it cannot help."""
         ...

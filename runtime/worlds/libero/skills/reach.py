@@ -1,4 +1,4 @@
-"""Whether the arm can bring its gripper to a pose, and what it would run into there: inverse kinematics on a copy."""
+"""Inverse kinematics on a copy of the state: whether the gripper can reach a pose, and what it would collide with."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ OPEN = 0.04
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reached:
-    """Joint positions (7,), what remains of the way (m, rad), and the deepest contact with the surroundings (m)."""
+    """Joint positions (7,), the remaining error (m, rad), and the deepest contact with the surroundings (m)."""
 
     joints: Array
     position_error: float
@@ -36,7 +36,7 @@ class Reached:
 
     @property
     def feasible(self) -> bool:
-        """Whether the pose is reached to 6 mm and 0.06 rad, and nothing is in the way."""
+        """Whether the pose is reached to 6 mm and 0.06 rad without collision."""
         return self.position_error < 6e-3 and self.rotation_error < 0.06 and self.penetration < -SKIN
 
 

@@ -22,7 +22,7 @@ Factory: TypeAlias = "Callable[[Schema], Skill]"
 
 
 def load_skills(schema: Schema) -> dict[str, Factory]:
-    """What makes the skill of each route that ``schema`` declares, by the route's local name; call it with the schema.
+    """The factory of each declared route's skill, by the route's local name; call it with the schema.
 
     Raises:
         OntoError: RUN011 if an entry point cannot be loaded.

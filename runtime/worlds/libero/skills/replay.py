@@ -1,4 +1,4 @@
-"""The judge of a played episode: its actions again in LIBERO's own environment, which observes and decides."""
+"""The judge of a played episode: replays its actions in LIBERO's own environment."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ __all__ = ["NativeReplay"]
 
 
 class NativeReplay(Closing):
-    """Goes through what was played, one native control step at a time; ``steps`` counts them from :meth:`begin`."""
+    """Replays an episode, one native control step at a time; ``steps`` counts them from :meth:`begin`."""
 
     def __init__(self, task: NativeTask, required: RequiredABox, schema: Schema) -> None:
-        """Take over ``task``, which :meth:`close` frees; raises ``SIM001`` ff. where a fact names what it lacks."""
+        """Use ``task``, which :meth:`close` frees; raises ``SIM001`` ff. where a fact names what it lacks."""
         self._task = task
         self._environment = NativeEnvironment(task, required, schema)
         scene = self._environment.scene
@@ -59,7 +59,7 @@ class NativeReplay(Closing):
         return self._facts.observe(self._task.data, self.steps)
 
     def observe_conditions(self) -> Observation:
-        """What is observed of the preconditions."""
+        """The observed preconditions."""
         return self._conditions.observe(self._task.data, self.steps)
 
     def observe_premise(self) -> Observation:
@@ -67,7 +67,7 @@ class NativeReplay(Closing):
         return self._environment.observe_premise()
 
     def verify(self) -> Verification:
-        """Ask LIBERO; where it accepts, ask again after 20 steps without motion, and go back.
+        """LIBERO's verdict; if it accepts, verify again after 20 steps without motion, and restore the state.
 
         Raises:
             OntoError: ``SIM018`` if LIBERO cannot judge the goal.

@@ -1,4 +1,4 @@
-"""Ways of the free gripper to a pose that may lie sideways: the first that the whole arm can follow unhindered.
+"""Paths of the free gripper to a pose that may be horizontal: the first without collision of the arm.
 
 :mod:`runtime.worlds.libero.skills.transit` comes from above; a handle is approached from the front, with the hand
 lying down.
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 STEP, TURN = 0.015, 0.11  # what the arm does in a control step at full speed: metres, radians
 WAIT = 15  # control steps
 SPARSE = 3  # control steps between two poses that are looked at
-LAG, LAG_TURN = 0.04, 0.35  # metres and radians that the arm may be behind before its goal waits for it
+LAG, LAG_TURN = 0.04, 0.35  # metres and radians of lag at which the moving goal waits
 SOFT = 1.0  # metres, deeper than anything is
 RISES = (0.08, 0.16, 0.24)  # metres
 
@@ -57,7 +57,7 @@ class _Line:
 
 
 def loose(world: SkillWorld) -> dict[int, float]:
-    """The bodies of movable objects, with a depth that any contact keeps below: they give way when they are touched."""
+    """The bodies of movable objects, with a depth above that of any contact: they may be pushed."""
     index = world.index
     return {int(b): SOFT for name in index.entities if index.free_joint(name) is not None for b in index.bodies(name)}
 
@@ -71,7 +71,7 @@ def clear(
     aperture: float,
     touches: Mapping[int, float] | None = None,
 ) -> bool:
-    """Whether the arm can follow ``ways`` from ``start`` without running into anything but what it ``touches``.
+    """Whether the arm can follow ``ways`` from ``start`` without collision, except with bodies that it ``touches``.
 
     ``joints`` (7,) is the arm at ``start``; call ``reach_.begin`` before.
     """
@@ -86,9 +86,9 @@ def clear(
 
 
 def route(world: SkillWorld, reach_: Reach, goal: Pose, *, aperture: float) -> list[Pose] | None:
-    """Poses to pass through, ``goal`` last; None where every way that is tried runs into something.
+    """Poses to pass through, ``goal`` last; None if every path that is tried collides.
 
-    Where all ways are obstructed, movable objects count no more.
+    If all paths collide, movable objects are ignored.
     """
     start = world.eef
     joints = reach_.begin()
@@ -130,10 +130,10 @@ def glide(
     most: int | None = None,
     until: Callable[[], bool] | None = None,
 ) -> Motion:
-    """Keep to the straight way to ``goal``: the goal of each step runs ahead, and waits where the arm falls behind.
+    """Follow the straight line to ``goal`` with a goal that moves ahead, and waits if the arm lags behind.
 
-    A hand that turns much leaves the line by ten centimetres when it is sent to the end at once. True when it arrived
-    to ``near`` (m) and ``turned`` (rad), or ``until``; ``most`` is the number of steps that it may take.
+    A hand that turns much would leave the line by ten centimetres if it were sent to the end at once. True if it
+    arrived to ``near`` (m) and ``turned`` (rad), or ``until``; ``most`` is the largest number of steps.
     """
     line = _Line(world.eef, goal)
     done = 0.0

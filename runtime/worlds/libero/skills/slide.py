@@ -1,6 +1,6 @@
 """Slide a flat object over the surface that it lies on: set the open fingers behind it and push.
 
-Two finger tips a hand's breadth apart hold a round rim as a fork does; a grasp of a rim that slopes would slip.
+Two spread finger tips guide a round rim like a fork; a grasp of a sloping rim would slip.
 """
 
 from __future__ import annotations

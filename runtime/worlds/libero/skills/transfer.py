@@ -1,4 +1,4 @@
-"""Plans that pair a grasp with a spot: both must be in reach, and the object must fit through with the hand on it."""
+"""Plans that pair a grasp with a spot: both must be reachable, and the object and hand must fit."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ TILTED = Search(yaws=16, tilts=(0.35, 0.7, 1.0))
 
 
 class Again(Generic[T]):
-    """An iterator whose items are kept, so that it can be gone through again without being worked out twice."""
+    """An iterable that caches the items of an iterator, so that it can be iterated again."""
 
     def __init__(self, source: Iterator[T]) -> None:
         self._source = source
@@ -55,7 +55,7 @@ class Again(Generic[T]):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Transfer:
-    """Take the subject of ``place`` by ``grasp`` and let it go ``release`` metres above ``spot``."""
+    """Grasp the subject of ``place`` by ``grasp`` and release it ``release`` metres above ``spot``."""
 
     place: PlacementTarget
     grasp: Grasp
@@ -71,7 +71,7 @@ def transfers(
     tried: Sequence[Pose] = (),
     sharing: int = 1,
 ) -> Iterator[Transfer]:
-    """What the arm can do to bring ``place_.subject`` to its place, the best first; nothing near a ``tried`` grasp.
+    """Transfers of ``place_.subject`` to its place, the best first; none near a ``tried`` grasp.
 
     Upright grasps come before tilted ones, and the object's present rotation before others about the vertical.
     ``holds`` says whether the required fact is true with the object at a pose; ``sharing`` objects go to the place.
@@ -93,7 +93,7 @@ def leaving(
     tried: Sequence[Pose] = (),
     ways: Sequence[Way] = (),
 ) -> Iterator[Transfer]:
-    """What the arm can do to take ``place_.subject`` from its place to a free one, the nearest first.
+    """Transfers of ``place_.subject`` from its place to a free spot, the nearest first.
 
     As :func:`transfers`; ``ways`` are to be kept free.
     """

@@ -1,4 +1,4 @@
-"""Paths through free space: up, over what stands in between, and down."""
+"""Paths through free space: up, over obstacles, and down."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def corridor_height(points: Array, start: Array, goal: Array, radius: float = HA
 def way_out(cloud: Array, around: Array) -> Array:
     """The least horizontal offset (3,) after which ``cloud`` (n, 3) can rise without meeting ``around`` (m, 3).
 
-    Zero where nothing hangs over it; also zero where every way is barred.
+    Zero if nothing is above it, and if every direction is blocked.
     """
     low, high = cloud.min(axis=0) - ROOM, cloud.max(axis=0) + ROOM
     above = around[(around[:, 2] > cloud[:, 2].max()) & (around[:, 2] < CEILING)]
@@ -57,7 +57,7 @@ def transit(world: SkillWorld, goal: Pose, gripper: float, *, carried: str | Non
     """Go to ``goal`` from above, clear of everything in between; ``carried`` hangs below the gripper."""
     if np.linalg.norm(goal.position[:2] - world.eef.position[:2]) > 0.02:
         height = _over(world, goal, carried)
-        for _ in range(2):  # what is carried may sag on the way up
+        for _ in range(2):  # a carried object may sag on the way up
             now = world.eef
             if now.position[2] < height - 0.01:
                 up = Pose(np.array([*now.position[:2], height]), now.rotation)
@@ -69,7 +69,7 @@ def transit(world: SkillWorld, goal: Pose, gripper: float, *, carried: str | Non
 
 
 def _over(world: SkillWorld, goal: Pose, carried: str | None) -> float:
-    """The height (m) at which the gripper passes over all that stands between it and ``goal``."""
+    """The height (m) at which the gripper passes over all obstacles between it and ``goal``."""
     now = world.eef
     below, radius = TIP, HAND
     if carried is not None:

@@ -1,4 +1,4 @@
-"""What a skill sees of a simulation: the gripper, the entities' shapes and poses, and how high things stand."""
+"""A skill's view of a simulation: the gripper, and the shapes and poses of entities."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class SurfacePoints:
 
 
 class SkillWorld:
-    """A reading view of ``sim``; nothing here changes it."""
+    """A read-only view of ``sim``."""
 
     def __init__(self, sim: Simulation, shapes: SurfacePoints | None = None) -> None:
         self.sim = sim

@@ -1,1 +1,1 @@
-"""The world model of LIBERO-Goal's scene: what it is trained on, and its training."""
+"""The world model of LIBERO-Goal's scene: training data and training."""

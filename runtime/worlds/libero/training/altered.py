@@ -1,7 +1,7 @@
-"""Other actions from the middle of a demonstration: what else can happen, for a model that must tell what would.
+"""Altered actions from the middle of a demonstration, as training data with failures.
 
-Demonstrations end well. A model that has seen nothing else takes success for what always follows; a planner asks it
-about actions that lead nowhere. Each way below breaks another part of what made the demonstration succeed.
+Demonstrations succeed. A model trained on them alone predicts success for any actions, also for those of a planner that
+lead nowhere. Each alteration below breaks another part of the demonstration.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 __all__ = ["KINDS", "LENGTH", "altered"]
 
 KINDS = ("noisy", "other", "open", "shut", "slow", "wander")
-"""Noise on the hand's motion; the actions of another moment; a hand that opens, or shuts; a hand that falls short or
-turns back; random motion."""
+"""Noise on the hand's motion; actions from another time; a hand that opens or closes; a hand that stops short or turns
+back; random motion."""
 LENGTH = 50
 """Control steps."""
 _MEMORY = 0.8
@@ -23,9 +23,9 @@ Actions = NDArray[np.float64]
 
 
 def altered(actions: Actions, rng: np.random.Generator) -> tuple[int, str, Actions]:
-    """Where a demonstration of ``actions`` (T, 7) is left (a multiple of 5), the kind, and actions (LENGTH, 7).
+    """Where to leave a demonstration of ``actions`` (T, 7), a multiple of 5; the kind, and actions (LENGTH, 7).
 
-    Half of the times it is left within the 40 steps before the fingers first or last move, where most is decided.
+    Half of the time it is within the 40 steps before the fingers first or last move, where most is decided.
     """
     total = len(actions)
     moves = np.flatnonzero(np.diff(np.sign(actions[:, 6]))) + 1

@@ -1,7 +1,7 @@
-"""Play actions in a task's scene, and film them: pictures and the simulator's word on every fact at the marks.
+"""Play actions in a task's scene, and film them: pictures and the simulator's labels of every fact at the marks.
 
-A mark is every fifth control step. Picture and proprioception are of one moment, the one at which LIBERO observes; the
-labels are of the end of the control step, as its own success check is.
+A mark is every fifth control step. Picture and proprioception are from the substep at which LIBERO observes; the labels
+are from the end of the control step, like LIBERO's success check.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ class Film:
 class Filmer:
     """Films episodes of one task, in a scene of its own.
 
-    ``exact`` plays a demonstration as it went, bit for bit. The compiled loop is faster and may part from it where
-    things touch; what is filmed is then what happened there.
+    ``exact`` replays a demonstration bit for bit. The compiled loop is faster and may deviate in contacts; the film
+    then shows the deviating run.
     """
 
     def __init__(self, ref: TaskRef, asked: SceneFacts, knowledge: Knowledge, *, exact: bool) -> None:
@@ -70,7 +70,7 @@ class Filmer:
         self._robot, self._finger = _of_robot(self._scene.model)
 
     def film(self, start: Snapshot, actions: NDArray[np.float64], first: int = 0) -> Film:
-        """Play ``actions`` (T, 7) from ``start``, and keep what is from control step ``first`` on, a multiple of 5.
+        """Play ``actions`` (T, 7) from ``start``, and film from control step ``first`` on, a multiple of 5.
 
         Raises ``SIM004`` for a snapshot of another scene, and :class:`~runtime.loop.faults.RunFault` where it diverges.
         """
@@ -113,7 +113,7 @@ class Filmer:
         return not bool((robot & ~finger & ~robot[:, ::-1]).any())
 
     def close(self) -> None:
-        """Free what drawing took."""
+        """Free the renderer."""
         self._views.close()
 
 

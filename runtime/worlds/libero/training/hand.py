@@ -1,7 +1,7 @@
-"""The proprioception that the model reads: where LIBERO's observations say that the hand and the fingers are.
+"""The proprioception of the model: hand and fingers from LIBERO's observations.
 
-Nothing here speaks of an object. A rotation vector jumps where it is long, so two axes of the hand take its place;
-the speeds are differences of what was observed one control step before.
+It has nothing of objects. A rotation vector is discontinuous at large angles, so two axes of the hand replace it; the
+speeds are differences to the observation one control step before.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ SIZE = 16
 PLACES = 3
 """The first coordinates are positions, in metres."""
 HIDDEN = 5
-"""The last coordinates are speeds, which a robot may lack a sense of."""
+"""The last coordinates are speeds, which a robot may not sense."""
 _RATE = 20.0  # control steps a second
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""What trains the heads of a scene: imagined and true marks of windows, labelled by the simulator's grounding."""
+"""Training of the heads of a scene: predicted and true marks of windows, labelled by the simulator's grounding."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["Loss", "WindowEnds", "WindowSampler", "calibrate", "event_loss", "fa
 
 _WINDOWS = 48
 _BLUR = 0.1
-"""Noise on the features that a head is trained on, of their spread."""
+"""Noise on the training features of a head, relative to their standard deviation."""
 
 Loss = Callable[[torch.Generator], torch.Tensor]
 Indices = NDArray[np.int64]
@@ -28,9 +28,9 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WindowEnds:
-    """R rows: what a head reads of a mark, and what is true of it.
+    """R rows: the inputs of a head at a mark, and the labels.
 
-    ``window`` (R,) and ``mark`` (R,) say of which it is.
+    ``window`` (R,) and ``mark`` (R,) identify them.
     """
 
     features: torch.Tensor
@@ -47,7 +47,7 @@ class WindowEnds:
 
     @property
     def read(self) -> tuple[torch.Tensor, ...]:
-        """What a head is given."""
+        """The inputs of a head."""
         return self.features, self.proprio, self.spread, self.sensed
 
 
@@ -62,7 +62,7 @@ def sensed_still(size: int) -> torch.Tensor:
 
 
 class WindowSampler:
-    """Draws :class:`WindowEnds` from windows: for each its marks after the first, imagined by all members, and true."""
+    """Draws :class:`WindowEnds` from windows: the marks after the first of each, predicted by all members, and true."""
 
     def __init__(self, dynamics: Dynamics, data: Windows) -> None:
         self.dynamics, self.data = dynamics, data
@@ -118,7 +118,7 @@ def fact_loss(head: SceneFactHead, sampler: WindowSampler) -> Loss:
 
 
 def event_loss(head: SceneEventHead, sampler: WindowSampler, goals: Mapping[int, tuple[int, ...]]) -> Loss:
-    """The errors of all events; half of the rows are asked about another task than the one that is played."""
+    """The errors of all events; half of the rows are for another task than the one that is played."""
     device = sampler.data.frames.device
     asked = torch.zeros(max(goals) + 1, sampler.data.truth.shape[-1], device=device)
     for task, places in goals.items():
@@ -133,7 +133,7 @@ def event_loss(head: SceneEventHead, sampler: WindowSampler, goals: Mapping[int,
         goal = asked[task]
         success = (ends.truth | ~goal.bool()).all(dim=-1)
         found = head(_blurred(head, ends.features, random), *ends.read[1:], goal)
-        # What is left is known where the task is the one that is played, or is done.
+        # The remaining time is known if the task is the one that is played, or is done.
         left = torch.where(task == ends.task, ends.remaining, torch.where(success, 0.0, torch.inf))
         known_left = torch.isfinite(left)
         entropy = functional.binary_cross_entropy_with_logits
@@ -149,9 +149,9 @@ def event_loss(head: SceneEventHead, sampler: WindowSampler, goals: Mapping[int,
 
 
 def calibrate(head: SceneFactHead, ends: WindowEnds) -> None:
-    """Set the temperature of each fact to what makes its scores likeliest on ``ends``, which no weight was fitted to.
+    """Fit the temperature of each fact by maximum likelihood on ``ends``, on which no weight was trained.
 
-    A fact that is never true, or never false, among them takes the temperature of all facts together.
+    A fact that is never true or never false there takes the temperature of all facts together.
     """
     with torch.no_grad():
         _, logit = head(*ends.read)

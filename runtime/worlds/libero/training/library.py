@@ -1,7 +1,7 @@
-"""The films of a suite's demonstrations on disk: each demonstration to its end, and once left for other actions.
+"""The films of a suite's demonstrations on disk: each demonstration in full, and once with altered actions.
 
-A film is one file, whole or not there, so that an interrupted run goes on. Films of other facts, or of other
-demonstrations, lie in other folders.
+A film is one file, written atomically, so that an interrupted run can be resumed. Films of other facts or other
+demonstrations are in other folders.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ __all__ = ["TEST_SEED", "FilmRequest", "Filmed", "filmed", "read_film", "split_o
 
 FORMAT = 1  # of what is kept
 REST = 15
-"""Control steps at rest after a demonstration, in which what was done must last."""
+"""Control steps at rest after a demonstration, in which the goal must still hold."""
 TEST_SEED = 1
-"""Of the trials whose demonstrations are for tests; those of a training have another."""
+"""The seed of trials whose demonstrations are for tests; training uses another."""
 _TESTED, _HELD = 10, 16
 _PACKAGES = ("mujoco", "robosuite")
 _CALM, _ALTERED = "demonstration", "altered"
@@ -57,12 +57,12 @@ class Filmed:
 
     @property
     def calm(self) -> bool:
-        """Whether it is the demonstration, and not what other actions came to."""
+        """Whether it is the demonstration itself, without altered actions."""
         return self.kind == _CALM
 
     @property
     def split(self) -> str:
-        """Decided by the initial state: no two splits share one."""
+        """The split, determined by the initial state: no two splits share one."""
         return split_of(self.state)
 
 
@@ -71,7 +71,7 @@ class FilmRequest:
     """What is filmed: of ``count`` demonstrations a task, of trials of ``seed``, those in ``splits``; below ``folder``.
 
     ``exact`` is as of :class:`~runtime.worlds.libero.training.film.Filmer`; ``demos`` is a folder of demonstrations
-    that are there already, laid out as ``onto demos collect`` does.
+    that exist already, in the layout of ``onto demos collect``.
     """
 
     folder: Path
@@ -86,13 +86,13 @@ class FilmRequest:
 def split_of(state: int) -> str:
     """Of a task's official initial states the first ten are for tests, and the next six are held out of the training.
 
-    The rest is ``train``. What is held out decides the temperatures of scores, and the figures on the cards.
+    The rest is ``train``. The held-out split is for the temperatures of scores and the metrics on the cards.
     """
     return "test" if state < _TESTED else "held" if state < _HELD else "train"
 
 
 def filmed(shoot: FilmRequest, jobs: int, log: Callable[[str], None]) -> tuple[Filmed, ...]:
-    """Make what is missing of ``shoot`` in ``jobs`` processes, and list all of it.
+    """Make the missing films of ``shoot`` in ``jobs`` processes, and list all films.
 
     Raises:
         OntoError: ``SIM031`` if this machine cannot draw; ``WM016`` if a task has no demonstration with a whole

@@ -1,4 +1,4 @@
-"""How good the parts are on windows of films that they were not trained on; what is told is of the windows' ends."""
+"""Metrics of the parts at the ends of windows from films that they were not trained on."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from runtime.worlds.libero.training.windows import Windows
 __all__ = ["ENOUGH", "WindowPredictions", "event_metrics", "fact_metrics", "imagining_metrics", "tell", "tell_events"]
 
 ENOUGH = 30
-"""Positives that a fact must have for its ranking to be told."""
+"""The number of positives from which a fact's AUROC is reported."""
 _AT_ONCE = 512
 _SPOTS, _FINGERS = slice(0, 3), slice(9, 11)
 
@@ -38,7 +38,7 @@ class WindowPredictions:
 def tell(
     dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact], data: Windows
 ) -> tuple[WindowPredictions, WindowPredictions]:
-    """What ``head`` tells of each window's end: imagined from its beginning and its actions, and seen as it was."""
+    """Predictions of ``head`` for each window's end, from the predicted and from the true final state."""
     grounder = ScenePredGrounder(head, facts)
     sensed = sensed_all(data.frames.states.shape[-1]).to(data.frames.device)
     parts: tuple[list[NDArray[np.float64]], ...] = ([], [], [], [])
@@ -56,7 +56,7 @@ def tell(
 
 
 def imagining_metrics(network: Dynamics, data: Windows) -> dict[str, float]:
-    """Errors at the ends of all windows, each member counted; the features' beside that of staying as they were."""
+    """Errors at the ends of all windows over all members; for features also the error of persistence."""
     which = np.arange(len(data))
     piece = data.frames.piece(which, np.zeros_like(which))
     found = network.imagine(piece.features[:, 0], piece.states[:, 0], piece.actions)
@@ -128,7 +128,7 @@ def tell_events(
 
 
 def event_metrics(dynamics: Dynamics, head: SceneEventHead, asked: SceneFacts, data: Windows) -> dict[str, float]:
-    """How well :func:`tell_events` tells."""
+    """Metrics of :func:`tell_events`."""
     predicted = tell_events(dynamics, head, asked, data)
     there = np.isfinite(predicted["left"])
     return {

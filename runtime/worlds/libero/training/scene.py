@@ -1,6 +1,6 @@
-"""What is asked of a suite whose tasks share one scene: the facts that any of its tasks requires.
+"""The facts required by any task of a suite whose tasks share one scene.
 
-A fact is named by its atom, such as ``on(akita_black_bowl_1, plate_1)``: a negated precondition asks for the same atom.
+A fact is named by its atom, such as ``on(akita_black_bowl_1, plate_1)``; a negated precondition has the same atom.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ SUITE = "libero_goal"
 
 @dataclass(frozen=True, slots=True)
 class SceneFacts:
-    """``facts``: the atoms, sorted by name; ``goals``: of each task by its index, the places of its goal's facts.
+    """``facts``: the atoms, sorted by name; ``goals``: for each task by its index, the indices of its goal's facts.
 
-    ``needed`` are, in the same way, those that a task asks to hold, whether as its goal or before it. The other facts
-    are asked not to hold.
+    ``needed`` are likewise the facts that a task requires to hold, as goal or precondition. The other facts must not
+    hold.
     """
 
     facts: tuple[Fact, ...]
@@ -37,7 +37,7 @@ class SceneFacts:
 
     @property
     def positive(self) -> tuple[int, ...]:
-        """The places of what some task asks to hold."""
+        """The indices of facts that some task requires to hold."""
         return tuple(sorted({place for places in self.needed.values() for place in places}))
 
 

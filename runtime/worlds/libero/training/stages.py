@@ -12,7 +12,7 @@ __all__ = ["stages"]
 
 
 def stages(asked: TrainingRequest) -> Stage:
-    """What trains the stages that are ``asked`` for; raises ``CLI002`` for no demonstrations at all."""
+    """The training of the request ``asked``; raises ``CLI002`` for less than one demonstration."""
     if asked.count is not None and asked.count < 1:
         raise OntoError.of("CLI002", f"--count must be at least 1, and is {asked.count}")
     config = SceneTrainingConfig(seed=asked.seed, **given(encoder=asked.encoder, demos=asked.count))

@@ -33,7 +33,7 @@ from runtime.worlds.libero.training.windows import Windows, pictures_of, windows
 __all__ = ["FilmPlace", "load_windows", "train"]
 
 _FITTED = 4000
-"""Pictures, at most, that the projection is fitted to."""
+"""The largest number of pictures for fitting the projection."""
 _ACTIONS = 7
 _SEES = "pixels, proprioception"
 _LABELS = f"{_SEES}; labels of privileged-state"
@@ -65,7 +65,7 @@ def train(
 
 
 def load_windows(config: SceneTrainingConfig, place: FilmPlace, split: str, seen: Projected, log: Log) -> Windows:
-    """The windows of ``train`` or ``held``; films and features that are missing are made.
+    """The windows of the split ``train`` or ``held``; makes missing films and features.
 
     Raises:
         OntoError: as :func:`train`; ``WM016`` if the split has no demonstration.
@@ -77,7 +77,9 @@ def load_windows(config: SceneTrainingConfig, place: FilmPlace, split: str, seen
 
 def _projection(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log) -> Mapping[str, float]:
     base = encoder(config.encoder, place.device)
-    base.encode(np.zeros((0, PIXELS, PIXELS, 3), dtype=np.uint8))  # films take hours: refused before, if at all
+    base.encode(
+        np.zeros((0, PIXELS, PIXELS, 3), dtype=np.uint8)
+    )  # films take hours: fail before them if the encoder does
     films = _of_split(config, place, "train", log)
     rows, draw = pictures_of(films)
     some = rows[:: -(-len(rows) // _FITTED)]
@@ -160,7 +162,7 @@ def _facts(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log) 
 def _for_heads(
     config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log
 ) -> tuple[WindowSampler, dict[str, Any], Card, Projected]:
-    """What draws a head's batches, what builds a head, a card that names what it was trained on, and the encoder."""
+    """The batch sampler of a head, its parameters, a card with its training data, and the encoder."""
     seen, network, found = load_dynamics(place.folder, place.device)
     data = load_windows(config, place, "train", seen, log)
     parameters = head_parameters(network, found.card.parameters["motion"])

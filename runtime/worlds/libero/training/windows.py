@@ -1,4 +1,4 @@
-"""Films cut into windows of 25 control steps, one from every mark: as rectangular as the losses want trajectories."""
+"""Films cut into windows of 25 control steps, one from every mark: the equal lengths that the losses need."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Windows:
 
     @property
     def calm(self) -> NDArray[np.bool_]:
-        """Which windows (W,) are of demonstrations, and not of other actions."""
+        """Which windows (W,) are of demonstrations, and not of altered actions."""
         return np.array([one.calm for one in self.films], dtype=np.bool_)[self.film]
 
     def __len__(self) -> int:
@@ -54,7 +54,7 @@ class Windows:
 
 @dataclass(frozen=True, slots=True)
 class _Picked:
-    """What decides features: the films by their folder and name, in order."""
+    """The cache key of features: the films by their folder and name, in order."""
 
     names: tuple[str, ...]
 
@@ -62,7 +62,7 @@ class _Picked:
 def pictures_of(films: Sequence[Filmed]) -> tuple[NDArray[np.int64], Callable[[NDArray[np.int64]], Pictures]]:
     """The pictures of ``films`` as rows (film, mark), and a function that reads those of such rows.
 
-    It keeps the last film that it read, and rows come film by film.
+    It caches the last film, as rows come film by film.
     """
     counts = [len(read_film(one.path, pictures=False).clear) for one in films]
     rows = np.array([(film, mark) for film, count in enumerate(counts) for mark in range(count)], dtype=np.int64)
@@ -90,7 +90,7 @@ def windows(
 ) -> Windows:
     """All windows of ``films``, with the features that ``seen`` has of their marks, cached in the file ``path``.
 
-    What is drawn of them is drawn on ``device``.
+    Batches drawn from them are on ``device``.
 
     Raises:
         OntoError: ``WM009`` where films have another size than ``seen`` reads, ``WM010`` if a feature is not finite,

@@ -1,1 +1,1 @@
-"""PointMaze played by planners: what is sensed, who plans, and the trial."""
+"""Planning in PointMaze: sensors, planners and trials."""

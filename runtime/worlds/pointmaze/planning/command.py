@@ -1,4 +1,4 @@
-"""``onto plan``: play trials with the rows of a comparison, and tell, record and draw what was planned."""
+"""``onto plan``: play trials with the rows of a comparison, and print, record and draw the plans."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _run(options: argparse.Namespace) -> int:
 
 PLAN = Command(
     name="plan",
-    help="Plan in a world model, execute, and tell what was predicted and what came of it.",
+    help="Plan in a world model, execute, and compare the predictions with the simulator.",
     example="onto plan pointmaze --row onto search --trials 0-9 --picture out/plans.html",
     configure=_configure,
     run=_run,

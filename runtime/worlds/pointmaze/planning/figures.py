@@ -75,7 +75,7 @@ def _plans(name: str, played: TrialResult, facts: MazeFacts) -> Html:
 
 
 def _margins(played: TrialResult, facts: MazeFacts, schema: Schema) -> Iterator[Html]:
-    """A chart for each required fact, where something was predicted."""
+    """A chart for each required fact that was predicted."""
     if all(step.made.foreseen is None for step in played.steps):
         return
     states = np.concatenate([step.states[bool(number) :] for number, step in enumerate(played.steps)])

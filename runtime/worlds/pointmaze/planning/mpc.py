@@ -1,4 +1,4 @@
-"""Model-predictive control as DINO-WM evaluates it in the maze: plan, execute the whole plan, look, and plan again.
+"""Model-predictive control as DINO-WM evaluates it in the maze: plan, execute the whole plan, observe, and plan again.
 
 A trial ends after the first plan whose end is a success, or after ``plans`` of them. The true state is what verifies;
 a planner reads only what it is given.
@@ -30,7 +30,7 @@ PLANS = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ImaginedPlan:
-    """What a world model imagines of a plan.
+    """A world model's prediction for a plan.
 
     ``paths`` (M, T + 1, 4) of its M members, step by step; ``margin`` and ``score`` (H, F) of the required facts after
     each macro step, NaN if there is no evidence of one.
@@ -43,7 +43,7 @@ class ImaginedPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlannedActions:
-    """A plan: ``actions`` (T, 2), what was predicted of its end (None if nothing was), and how it was come by."""
+    """A plan: ``actions`` (T, 2), the prediction for its end (None without one), and how it was found."""
 
     actions: NDArray[np.float64]
     evaluations: int
@@ -56,19 +56,19 @@ class Planner(Protocol):
     """Makes the plans of one episode."""
 
     def begin(self, state: NDArray[np.float64], goal: NDArray[np.float64]) -> None:
-        """An episode begins; what of ``state`` and ``goal`` (4,) a planner may use is what its row says it sees."""
+        """Start an episode; a planner uses only the parts of ``state`` and ``goal`` (4,) that its row senses."""
 
     def plan(self, left: int, random: torch.Generator) -> PlannedActions:
-        """The next plan; ``left`` is how many plans of :data:`HORIZON` macro steps there is time for."""
+        """The next plan; ``left`` is the number of plans of :data:`HORIZON` macro steps that time remains for."""
         ...
 
     def moved(self, states: NDArray[np.float64], actions: NDArray[np.float64]) -> None:
-        """The plan was executed: ``actions`` (T, 2) led through ``states`` (T + 1, 4)."""
+        """Record an executed plan: ``actions`` (T, 2) led through ``states`` (T + 1, 4)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExecutedStep:
-    """A plan and what came of it: true ``states`` (T + 1, 4) and the verdict on the last."""
+    """An executed plan: true ``states`` (T + 1, 4) and the verdict on the last."""
 
     made: PlannedActions
     states: NDArray[np.float64]
@@ -78,7 +78,7 @@ class ExecutedStep:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrialResult:
-    """A trial; ``time`` is how many plans of :data:`HORIZON` its plans took, of which a longer one takes more."""
+    """A trial; ``time`` is its length in plans of :data:`HORIZON`; a longer plan counts as several."""
 
     trial: Trial
     steps: tuple[ExecutedStep, ...]
@@ -91,7 +91,7 @@ class TrialResult:
 
     @property
     def figures(self) -> dict[str, Any]:
-        """How it ended and what it took, as plain values."""
+        """The outcome and cost, as plain values."""
         last = self.steps[-1].verdict
         return {
             "success": self.success,
@@ -105,7 +105,7 @@ class TrialResult:
 
     @property
     def seconds(self) -> float:
-        """Spent on planning."""
+        """Seconds spent on planning."""
         return round(sum(step.seconds for step in self.steps), 3)
 
 

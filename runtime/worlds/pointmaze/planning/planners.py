@@ -1,4 +1,4 @@
-"""The planners that PointMaze compares: by a world model, by the true dynamics, and at random."""
+"""The planners that are compared in PointMaze: with a world model, with the true dynamics, and random."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _STEPS = HORIZON * MACRO_STEPS
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Guidance:
-    """How a plan is bettered whose facts do not hold: see :func:`runtime.planning.guided.improve`."""
+    """Improves a plan whose facts do not hold: see :func:`runtime.planning.guided.improve`."""
 
     knowledge: Knowledge
     mechanisms: Mapping[str, Mechanism] = field(default_factory=dict)
@@ -42,7 +42,7 @@ class Guidance:
 
 
 class ByModel(Planner):
-    """MPC-CEM in a world model: sees pictures and the sensed proprioception."""
+    """MPC with CEM in a world model, from pictures and the sensed proprioception."""
 
     def __init__(
         self,
@@ -61,16 +61,16 @@ class ByModel(Planner):
         self._goal: ObservedGoal | None = None
 
     def begin(self, state: NDArray[np.float64], goal: NDArray[np.float64]) -> None:
-        """Look at the goal, and forget earlier episodes."""
+        """Observe the goal, and clear earlier episodes."""
         self._sensor.begin(state)
         self._goal = self._sensor.goal(goal)
 
     def moved(self, states: NDArray[np.float64], actions: NDArray[np.float64]) -> None:
-        """Remember what was sensed on the way."""
+        """Store the sensed states."""
         self._sensor.moved(states, actions)
 
     def plan(self, left: int, random: torch.Generator) -> PlannedActions:
-        """Search; then, with guidance, better what is found. Raises ``WM010`` if a feature is not finite."""
+        """Search; then, with guidance, improve the result. Raises ``WM010`` if a feature is not finite."""
         if self._goal is None:
             raise RuntimeError("an episode begins before its first plan")
         question = PlanningProblem(
@@ -96,7 +96,7 @@ class ByModel(Planner):
 
 
 class ByTruth(Planner):
-    """The ceiling: the same search on the true dynamics, scored by the true facts and the true way that is left."""
+    """The upper bound: the same search on the true dynamics, scored by true facts and the true remaining distance."""
 
     def __init__(
         self, rollout: Rollout, facts: MazeFacts, weights: Weights, budget: Budget, sampling: Sampling
@@ -108,11 +108,11 @@ class ByTruth(Planner):
         self._state = self._target = np.zeros(4)
 
     def begin(self, state: NDArray[np.float64], goal: NDArray[np.float64]) -> None:
-        """Read both whole."""
+        """Store both."""
         self._state, self._target = state, goal
 
     def moved(self, states: NDArray[np.float64], actions: NDArray[np.float64]) -> None:
-        """Go on from the last state."""
+        """Continue from the last state."""
         del actions
         self._state = states[-1]
 
@@ -132,22 +132,22 @@ class ByTruth(Planner):
         ends = self._rollout.states(self._state, actions.double().numpy())[:, -1]
         way = self._way.distance(ends, self._target)
         gap = np.linalg.norm(ends[:, :2] - self._target[:2], axis=1)
-        lost = np.where(np.isfinite(way), way, gap + 10.0)  # pressed into a wall: there is no way from there
+        lost = np.where(np.isfinite(way), way, gap + 10.0)  # pressed into a wall: no path from there
         margins = self._facts.label(ends, self._target).margin @ self._margins
         return torch.from_numpy(self._weights.remaining * lost - margins)
 
 
 class Randomly(Planner):
-    """Actions drawn as a search's first candidates are."""
+    """Random actions, drawn like a search's first candidates."""
 
     def __init__(self, sampling: Sampling) -> None:
         self._sampling = sampling
 
     def begin(self, state: NDArray[np.float64], goal: NDArray[np.float64]) -> None:
-        """It looks at nothing."""
+        """Do nothing."""
 
     def moved(self, states: NDArray[np.float64], actions: NDArray[np.float64]) -> None:
-        """It remembers nothing."""
+        """Do nothing."""
 
     def plan(self, left: int, random: torch.Generator) -> PlannedActions:
         """One candidate."""
@@ -157,7 +157,7 @@ class Randomly(Planner):
 
 
 def _foreseen(question: PlanningProblem, actions: torch.Tensor) -> ImaginedPlan:
-    """What is imagined of ``actions`` (T, 2) on the way."""
+    """The prediction for ``actions`` (T, 2)."""
     with torch.no_grad():
         imagined = question.imagine(actions[None])
         facts = question.grounder.ground(imagined, question.goal, every=True)

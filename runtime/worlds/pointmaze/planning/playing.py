@@ -1,4 +1,4 @@
-"""What ``onto plan pointmaze`` does: trials played row by row, a line for each, and a summary."""
+"""``onto plan pointmaze``: trials played row by row, a line for each, and a summary."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def numbers(text: str) -> tuple[int, ...]:
 
 
 def generator(number: int, seed: int) -> torch.Generator:
-    """The random numbers of a trial's plans, those that the published rows have."""
+    """The random generator of a trial's plans, the same as for the published rows."""
     return torch.Generator().manual_seed(number * len(SEEDS) + seed)
 
 
@@ -106,7 +106,7 @@ def episodes(
 
 
 def summary(rows: Sequence[dict[str, Any]]) -> dict[str, float]:
-    """What the trials of a row come to: rates and means."""
+    """The summary of a row's trials: rates and means."""
     parts = ("distance", "position", "velocity", "plans", "evaluations", "seconds")
     reached = sum(row["success"] for row in rows)
     return {"trials": len(rows), "reached": reached} | {
@@ -115,7 +115,7 @@ def summary(rows: Sequence[dict[str, Any]]) -> dict[str, float]:
 
 
 def _require(options: argparse.Namespace, folder: Path) -> None:
-    """What a person can have got wrong, before anything is played."""
+    """Check the options before anything is played."""
     for name in options.row:
         if name not in ROWS:
             raise OntoError.of("PMZ008", f"`{name}` is no row", near(name, ROWS) or f"rows: {', '.join(ROWS)}")
@@ -138,7 +138,7 @@ def _played(who: Planner, wanted: Sequence[int], seed: int) -> Iterator[TrialRes
 
 
 def _record(played: TrialResult, facts: MazeFacts) -> dict[str, Any]:
-    """A trial as plain values; ``unmet`` are the facts that the last plan was predicted to lack, or not observed."""
+    """A trial as plain values; ``unmet`` are the facts predicted to be unmet, or not observed, for the last plan."""
     seen = played.steps[-1].made.predicted
     lacking = None
     if seen is not None:

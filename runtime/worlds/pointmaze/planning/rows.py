@@ -1,4 +1,4 @@
-"""The rows that PointMaze compares: which score a plan has, what is sensed, and what follows an unmet prediction.
+"""The rows of the PointMaze comparison: the score of a plan, the sensors, and the reaction to an unmet prediction.
 
 The scores are declared in ``ontology/scores/pointmaze.ttl``; their weights were chosen on trials 10,000 and up, which
 no table has. Every row has the same sampler and, but for those that say so, the same budget.
@@ -32,13 +32,13 @@ __all__ = ["ROWS", "PlannerRow", "maze_rollout", "planner"]
 MAZE = "u_maze"
 BUDGET, SAMPLING = Budget(), Sampling()
 ALLOWANCE = 3 * BUDGET.evaluations
-"""Evaluations that follow a plan whose predicted facts miss the goal."""
+"""Evaluations for improving a plan whose predicted facts are unmet."""
 _LARGE = Budget(iterations=BUDGET.iterations + ALLOWANCE // BUDGET.samples)
 
 
 @dataclass(frozen=True, slots=True)
 class PlannerRow:
-    """``score`` of a plan, by name; ``after`` an unmet prediction: nothing, what rules say, any mechanism, or anew."""
+    """``score`` of a plan, by name; ``after`` an unmet prediction: nothing, guided, random, or a new search."""
 
     score: str | None
     sensed: tuple[bool, ...] = FULL
@@ -48,12 +48,12 @@ class PlannerRow:
 
     @property
     def learned(self) -> bool:
-        """Whether a world model is asked."""
+        """Whether it uses a world model."""
         return self.score is not None and not self.truth
 
     @property
     def sees(self) -> str:
-        """As a published row says it."""
+        """As in the published rows."""
         if self.truth:
             return "privileged-state, true-dynamics"
         return "predicted" if self.learned else "nothing"
@@ -88,7 +88,7 @@ ROWS = {
 def planner(name: str, folder: Path, device: str = "auto") -> Planner:
     """The planner of a row, with the world model in ``folder`` where it needs one; raises as its parts do.
 
-    It computes on ``device``, by default on a GPU where there is one; what asks no model has no use for it.
+    It computes on ``device``, by default on a GPU if there is one; rows without a model ignore it.
     """
     row, knowledge = ROWS[name], load_knowledge()
     if row.score is None:

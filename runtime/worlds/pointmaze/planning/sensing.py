@@ -1,4 +1,4 @@
-"""What a planner may know of the maze: pictures, and the proprioception that is sensed, macro step by macro step."""
+"""A planner's sensors in the maze: pictures and proprioception, one per macro step."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ class Sensor:
         return ObservedGoal(self.look(state), self._tensor(self._hidden(state)), self._sensed)
 
     def observes(self, facts: Sequence[Fact], schema: Schema) -> tuple[bool, ...]:
-        """Of each fact whether there is evidence of what its margin is measured in: pictures show places alone."""
+        """For each fact whether its margin can be observed: pictures show positions only."""
         sensed = self._sensed.cpu().tolist()
         hidden = {unit for unit, known in zip(_UNITS, sensed, strict=True) if not known} - {_METRE}
         return tuple(schema.predicates[fact.predicate].margin_unit not in hidden for fact in facts)
 
     def begin(self, state: NDArray[np.float64]) -> None:
-        """An episode begins in ``state`` (4,): what came before is forgotten."""
+        """Start an episode in ``state`` (4,), and clear the history."""
         self._proprio[:], self._actions[:] = np.nan, np.nan
         self._proprio[-1] = state
 
@@ -68,14 +68,14 @@ class Sensor:
             self._actions = np.concatenate([self._actions[1:], actions[None, first : first + MACRO_STEPS]])
 
     def history(self) -> History:
-        """What is known now."""
+        """The history so far."""
         state = self._proprio[-1]
         return History(
             self.look(state), self._tensor(self._hidden(self._proprio)), self._tensor(self._actions), self._sensed
         )
 
     def between(self) -> torch.Tensor | None:
-        """The middle (2,) of the cell half way from here to the goal; None if they are in cells side by side."""
+        """The centre (2,) of the cell halfway to the goal; None if the goal's cell is adjacent."""
         way = cell_way(self._maze, self._proprio[-1], self._target)
         return self._tensor(way[len(way) // 2]) if len(way) > 2 else None
 

@@ -1,7 +1,7 @@
-"""A played trial as an episode: each executed plan with its predicted and its simulated ABox, and what was tried.
+"""A played trial as an episode: each executed plan with its predicted and its simulated ABox, and the attempts.
 
-An attempt is a mechanism that a rule chose for a diagnosis of the best plan so far; its proposal was only imagined. A
-search that no diagnosis guides makes no attempts.
+An attempt is a mechanism that a rule chose for a diagnosis of the best plan so far; its proposal was only predicted. A
+search without guidance makes no attempts.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _JUDGED = "at_target"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrialRecorder:
-    """Records trials that ``planner`` (the name of a row) played with random numbers of ``seed``."""
+    """Records trials that ``planner`` (the name of a row) played with ``seed``."""
 
     facts: MazeFacts
     knowledge: Knowledge
@@ -84,7 +84,7 @@ class TrialRecorder:
         )
 
     def _attempts(self, step: ExecutedStep, begun: int, plan: int, first: int) -> Iterator[Attempt]:
-        """What the rules chose to better the plan of ``step``, numbered from ``first``."""
+        """The attempts to improve the plan of ``step``, numbered from ``first``."""
         searched = step.made.searched
         offered = Counter[tuple[int, str]]()
         for number, tried in enumerate(searched.tried if searched is not None else ()):

@@ -51,8 +51,8 @@ def _download(requirement: str, archive: Path) -> None:
         done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - arguments of our own
         got = Path(folder) / archive.name
         if not got.is_file():
-            said = (done.stderr.strip().splitlines() or [f"pip brought no `{archive.name}`"])[-1]
-            message = f"cannot download `{requirement}`: {said}"
+            reason = (done.stderr.strip().splitlines() or [f"pip brought no `{archive.name}`"])[-1]
+            message = f"cannot download `{requirement}`: {reason}"
             raise OntoError.of("BEN003", message, _HINT.format(place=archive))
         got.replace(archive)
 

@@ -71,10 +71,10 @@ def suites_table(result: dict[str, Any]) -> str:
     faults = [(f"`{row['suite']}`", f"{fault['code']}: {fault['message']}") for row in rows for fault in row["faults"]]
     failures = []
     for row in rows:
-        told = [f"{KINDS[f['kind']]} `{f['subject']}`" for f in row["failures"] if f["kind"] != SUNK]
+        phrases = [f"{KINDS[f['kind']]} `{f['subject']}`" for f in row["failures"] if f["kind"] != SUNK]
         sunk = sum(f["kind"] == SUNK for f in row["failures"])
-        told += [f"{sunk} {KINDS[SUNK]}"] if sunk else []
-        failures += [(f"`{row['suite']}`", "; ".join(told))] if told else []
+        phrases += [f"{sunk} {KINDS[SUNK]}"] if sunk else []
+        failures += [(f"`{row['suite']}`", "; ".join(phrases))] if phrases else []
     total = (
         f"{m['audited_suites']} of {m['suites']} suites were audited. {m['official_suites']} ship initial states; for "
         f"the others a seeded reset stands. {m['crashed']} trials crashed."

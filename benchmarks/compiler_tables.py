@@ -81,7 +81,7 @@ def fuzz_table(result: Result) -> str:
         ("laid out as another task", str(m["round_trip_failures"])),
     ]
     note = (
-        f"{m['problems']:,} problems of {m['codes']} codes were told. The longest input took "
+        f"{m['problems']:,} problems of {m['codes']} codes were reported. The longest input took "
         f"{m['worst_ms'] / 1000:.2f} s; the process never held more than {m['peak_mib']:.0f} MiB; "
         f"{m['crashed']} blocks crashed."
     )

@@ -42,10 +42,10 @@ def run(trial: Trial) -> list[Row]:
 
     root = corpus()
     if trial["suite"] == "shacl":
-        said = next(run_shacl_case(case) for case in shacl_cases(root) if case.iri == trial["case"])
+        difference = next(run_shacl_case(case) for case in shacl_cases(root) if case.iri == trial["case"])
     else:
-        said = next(run_rule_case(case) for case in rule_cases(root) if case.iri == trial["case"])
-    return [{"mode": "none", "sees": "none", "passed": not said, "said": said}]
+        difference = next(run_rule_case(case) for case in rule_cases(root) if case.iri == trial["case"])
+    return [{"mode": "none", "sees": "none", "passed": not difference, "said": difference}]
 
 
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:

@@ -54,14 +54,14 @@ def run(trial: Trial) -> list[Row]:
     origins = [demo.origin for demo in load(found.path).demos]
     rows = []
     for origin, one in list(zip(origins, replay(found.path), strict=True))[:wanted]:
-        told = {name: value for name, value in asdict(one).items() if name not in {"file", "suite", "task"}}
+        fields = {name: value for name, value in asdict(one).items() if name not in {"file", "suite", "task"}}
         made = origin and {
             "state": origin.state_index,
             "severity": origin.severity,
             "disturbed": sorted({event["kind"] for event in origin.disturbances}),
             "failed_tries": sum(each["outcome"] != "held" for each in origin.tries),
         }
-        rows.append({**seen, **told, "same": one.same, **(made or {})})
+        rows.append({**seen, **fields, "same": one.same, **(made or {})})
     return rows
 
 

@@ -85,7 +85,7 @@ def put_through(one: FuzzInput, folder: Path, *, whole: bool = False) -> Outcome
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # noqa: BLE001 - Oxigraph's panics are BaseExceptions, and all of them count
-        outcome.fault, outcome.detail = "traceback", _told(error)
+        outcome.fault, outcome.detail = "traceback", _error_line(error)
     else:
         lost = next((problem for problem in outcome.problems if problem.line < 1 or problem.column < 1), None)
         if lost is not None:
@@ -149,7 +149,7 @@ def _alarm(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGPROF, before)
 
 
-def _told(error: BaseException) -> str:
+def _error_line(error: BaseException) -> str:
     """The error and the line of ours that it came from."""
     place, step = "", error.__traceback__
     while step is not None:

@@ -36,9 +36,9 @@ def generated_episode(rng: np.random.Generator, knowledge: Knowledge, index: int
             decision = route(chosen, knowledge)
         else:
             decision = route(chosen, knowledge, REPEAT, rejected.route)
-        said = Verification(query, outcome=False)
+        verdict = Verification(query, outcome=False)
         applied = _application(rng, knowledge, decision, len(attempts))
-        attempts.append(Attempt(len(attempts), observation, found, decision, applied, said))
+        attempts.append(Attempt(len(attempts), observation, found, decision, applied, verdict))
         observation = _observation(rng, len(facts))
     return Episode(
         task=f"generated_task_{index}",

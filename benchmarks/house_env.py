@@ -60,5 +60,5 @@ def core_environment(folder: Path) -> Path:
 def _run(command: Sequence[str], cwd: Path) -> None:
     done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)  # noqa: S603 - our own words
     if done.returncode:
-        said = (done.stderr or done.stdout).strip()
-        raise RuntimeError(f"`{' '.join(command)}` ended with {done.returncode}: {said}")
+        output = (done.stderr or done.stdout).strip()
+        raise RuntimeError(f"`{' '.join(command)}` ended with {done.returncode}: {output}")

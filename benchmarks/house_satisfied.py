@@ -130,11 +130,11 @@ def _skills(facts: Sequence[Fact], seen: Observation, knowledge: Knowledge) -> A
 def _trace(facts: Sequence[Fact], seen: Observation, knowledge: Knowledge) -> Answers:
     from runtime.trace.narrate import premise_sentence  # noqa: PLC0415
 
-    def told(index: int, fact: Fact) -> str:
+    def sentence(index: int, fact: Fact) -> str:
         episode = SimpleNamespace(required=_required([fact]), premise=_one(seen, index))
         return premise_sentence(cast(Any, episode), knowledge.schema)
 
-    return tuple("does not hold" not in told(index, fact) for index, fact in enumerate(facts))
+    return tuple("does not hold" not in sentence(index, fact) for index, fact in enumerate(facts))
 
 
 def _one(seen: Observation, index: int) -> Observation:

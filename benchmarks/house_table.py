@@ -25,4 +25,4 @@ _SAID = {
 def house_table(result: dict[str, Any]) -> str:
     """One line per figure."""
     metrics = result["metrics"]
-    return table(("what", "figure"), ((said, f"{metrics[name]:g}") for name, said in _SAID.items() if name in metrics))
+    return table(("what", "figure"), ((text, f"{metrics[name]:g}") for name, text in _SAID.items() if name in metrics))

@@ -30,9 +30,9 @@ def origin(result: Mapping[str, Any]) -> str:
     runs: dict[str, list[str]] = {}
     for name, part in result.get("parts", {}).items():
         on = f" on {_processors(part)}" if "cpu" in part else ""
-        told = f"`{part['command']}` at commit `{part['commit'][:12]}` on {part['date'][:10]}{on}"
-        runs.setdefault(told, []).append(f"`{name}`")
-    parts = "; ".join(f"{', '.join(names)}: {told}" for told, names in runs.items())
+        run = f"`{part['command']}` at commit `{part['commit'][:12]}` on {part['date'][:10]}{on}"
+        runs.setdefault(run, []).append(f"`{name}`")
+    parts = "; ".join(f"{', '.join(names)}: {run}" for run, names in runs.items())
     machine = result["machine"]
     versions = ", ".join(f"{name} {number}" for name, number in machine["versions"].items())
     made = (

@@ -95,7 +95,7 @@ class _Bench:
             "horizon": self.horizon,
             "steps": len(played.actions),
             "rehearsed": played.rehearsed,
-            **_told(verdict),
+            **_verdict_fields(verdict),
             "premise_holds": verdict.premise_holds,
             "initially_true": verdict.initially_true,
             "replayed_same": verdict.same,
@@ -117,8 +117,8 @@ class _Bench:
         if steps is None:
             return {name: row[name] for name in ("steps", "success", "outcome", "success_step", "failures")}
         verdict = self.native.run(self.states[state], played.actions[:steps], self.sim.data.qpos)
-        told = _told(verdict)
-        return {"steps": steps, **{name: told[name] for name in ("success", "outcome", "success_step", "failures")}}
+        fields = _verdict_fields(verdict)
+        return {"steps": steps, **{name: fields[name] for name in ("success", "outcome", "success_step", "failures")}}
 
 
 _KEPT: dict[tuple[str, int], _Bench] = {}  # what this process works on; trials come task by task
@@ -133,7 +133,7 @@ def _bench(suite: str, task: int) -> _Bench:
     return _KEPT[suite, task]
 
 
-def _told(verdict: ReplayVerdict) -> Row:
+def _verdict_fields(verdict: ReplayVerdict) -> Row:
     return {
         "success": verdict.outcome == "success",
         "outcome": verdict.outcome,

@@ -1,4 +1,4 @@
-"""LIBERO-Goal's scene: facts at the end of 25 control steps, told from a picture, the robot's senses and its actions.
+"""LIBERO-Goal's scene: facts after 25 control steps, predicted from a picture, proprioception and actions.
 
 The windows are of demonstrations that were made for this: other trials, from initial states that no demonstration of
 the training starts from. Beside what the model tells of an imagined end stands what its heads tell of the end as it was
@@ -26,7 +26,7 @@ from runtime.training.measures import auroc, calibration_error
 from runtime.wording import unit_of
 from runtime.worlds.libero.simulator.assets import tasks
 from runtime.worlds.libero.training.library import TEST_SEED, FilmRequest, filmed
-from runtime.worlds.libero.training.measure import ENOUGH, tell, tell_events
+from runtime.worlds.libero.training.measure import ENOUGH, predict_events, predict_facts
 from runtime.worlds.libero.training.models import shipped
 from runtime.worlds.libero.training.scene import SUITE, SceneFacts, scene_facts
 from runtime.worlds.libero.training.windows import Windows, windows
@@ -50,9 +50,9 @@ def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signatur
 
 
 def run(trial: Trial) -> list[Row]:
-    """A row for each film of the task and each fact, and one for its events: what was told of the ends, and what is."""
+    """A row for each film of the task and each fact, and one for its events: predictions and truth at the ends."""
     torch.set_num_threads(1)
-    model, asked = _model(), _asked()
+    model, asked = _model(), _suite_facts()
     shoot = FilmRequest(FOLDER, trial["count"], TEST_SEED, (trial["task"],), ("test",), exact=True)
     films = filmed(shoot, 1, lambda _text: None)
     data = windows(films, asked, model.encoder, FOLDER / f"features.{trial['task']}.npy", lambda _text: None)
@@ -63,8 +63,8 @@ def _rows(model: SceneModel, asked: SceneFacts, data: Windows) -> Iterator[Row]:
     wanted = list(asked.positive)  # what a task asks not to hold is never true here
     schema = load_knowledge().schema
     task = data.films[0].task  # a trial is of one task
-    imagined, seen = tell(model.dynamics, model.facts, [asked.facts[place] for place in wanted], data)
-    events = tell_events(model.dynamics, model.events, asked, data)
+    imagined, seen = predict_facts(model.dynamics, model.facts, [asked.facts[place] for place in wanted], data)
+    events = predict_events(model.dynamics, model.events, asked, data)
     truth, margin = data.truth[..., wanted], data.margin[..., wanted]
     for number, film in enumerate(data.films):
         rows = np.flatnonzero(data.film == number)
@@ -116,8 +116,8 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
     for prefix, some in (("", calm), ("altered.", other)):
         for name in units:
             mine = [row for row in some if row["fact"] == name]
-            told = _of_fact(mine, intervals=not prefix) | _in_own(mine)
-            found |= {f"{prefix}{name}.{key}": value for key, value in told.items()}
+            columns = _of_fact(mine, intervals=not prefix) | _in_own(mine)
+            found |= {f"{prefix}{name}.{key}": value for key, value in columns.items()}
         for predicate in sorted({_predicate(name) for name in units}):
             mine = [row for row in some if _predicate(row["fact"]) == predicate]
             found |= {f"{prefix}{predicate}.{key}": value for key, value in _of_predicate(mine).items()}
@@ -211,7 +211,7 @@ def _of_predicate(rows: Sequence[Row]) -> dict[str, float]:
 
 
 def _events(rows: Sequence[Row]) -> dict[str, float]:
-    """How well the events of the window's own task are told."""
+    """Metrics of the events of the window's own task."""
     if not rows:
         return {}
     every = _joined([_columns(row["told"]) for row in rows])
@@ -230,8 +230,8 @@ def _events(rows: Sequence[Row]) -> dict[str, float]:
     )
 
 
-def _columns(told: Mapping[str, Sequence[float | None]]) -> dict[str, Array]:
-    return {name: np.array([np.nan if v is None else v for v in values]) for name, values in told.items()}
+def _columns(columns: Mapping[str, Sequence[float | None]]) -> dict[str, Array]:
+    return {name: np.array([np.nan if v is None else v for v in values]) for name, values in columns.items()}
 
 
 def _joined(parts: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
@@ -248,7 +248,7 @@ def _predicate(name: str) -> str:
 
 
 @cache
-def _asked() -> SceneFacts:
+def _suite_facts() -> SceneFacts:
     return scene_facts(load_knowledge())
 
 
@@ -259,7 +259,7 @@ def _model() -> SceneModel:
 
 WORLD_MODEL_LIBERO = Protocol(
     name="world_model_libero",
-    help="facts after 25 steps on LIBERO-Goal, told from pictures and actions, beside persistence",
+    help="facts after 25 steps on LIBERO-Goal, predicted from pictures and actions, compared with persistence",
     seeds=(SEED, TEST_SEED),
     trials=trials,
     run=run,

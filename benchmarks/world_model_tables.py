@@ -1,4 +1,4 @@
-"""The tables of LIBERO-Goal's world model: each fact by what its end is told from, each predicate, and the rest."""
+"""The tables of LIBERO-Goal's world model: each fact by the source of its prediction, each predicate, and the rest."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from benchmarks.markdown import table
 __all__ = ["WAYS", "world_model_libero_table"]
 
 WAYS = ("imagined", "seen", "still")
-"""What the end is told from: the model's imagination, the end itself, or the truth at the beginning."""
+"""The source of a prediction: the model's imagination, the final state itself, or the truth at the start."""
 
 _UNITS = {"m": (1000, "mm"), "rad": (1000, "mrad")}
 
@@ -58,12 +58,12 @@ def _by_predicate(m: dict[str, float], units: dict[str, str]) -> str:
     )
     lines = []
     for predicate in sorted({name.partition("(")[0] for name in units}):
-        told = []
+        cells = []
         for prefix in ("", "altered."):
-            told.append(f"{m.get(f'{prefix}{predicate}.positives', 0):.0f}")
-            told += [_rank(m, f"{prefix}{predicate}.{way}_auroc") for way in WAYS]
-            told += [f"{m[f'{predicate}.imagined_ece']:.3f}"] if not prefix else []
-        lines.append((f"`{predicate}`", *told))
+            cells.append(f"{m.get(f'{prefix}{predicate}.positives', 0):.0f}")
+            cells += [_rank(m, f"{prefix}{predicate}.{way}_auroc") for way in WAYS]
+            cells += [f"{m[f'{predicate}.imagined_ece']:.3f}"] if not prefix else []
+        lines.append((f"`{predicate}`", *cells))
     return table(heads, lines)
 
 

@@ -15,7 +15,7 @@ __all__ = ["placed"]
 
 def placed(store: Store, fault: ShapeFault) -> OntoError:
     """``fault`` at the literal that it speaks of; as it is where that stands in no file."""
-    code, message, hint = fault.told
+    code, message, hint = fault.fields
     parameter = NamedNode(SH + fault.parameter)
     if not isinstance(fault.value, Literal):
         return fault

@@ -219,17 +219,17 @@ def _differences(
     found: Mapping[str, torch.Tensor], expected: Mapping[str, torch.Tensor], file: str
 ) -> tuple[Problem, ...]:
     """What keeps the weights ``found`` from being those of a network with the weights ``expected``."""
-    said = [f"`{name}` is missing, {_form(expected[name])} expected" for name in expected if name not in found]
-    said += [f"`{name}` {_form(found[name])} is not part of the network" for name in found if name not in expected]
-    said += [
+    faults = [f"`{name}` is missing, {_form(expected[name])} expected" for name in expected if name not in found]
+    faults += [f"`{name}` {_form(found[name])} is not part of the network" for name in found if name not in expected]
+    faults += [
         f"`{name}` is {_form(found[name])}, {_form(expected[name])} expected"
         for name in expected
         if name in found and _form(found[name]) != _form(expected[name])
     ]
-    if len(said) > _SHOWN:
-        said[_SHOWN:] = [f"{len(said) - _SHOWN} more weights differ"]
+    if len(faults) > _SHOWN:
+        faults[_SHOWN:] = [f"{len(faults) - _SHOWN} more weights differ"]
     hint = "the network was built with other parameters than the one that was saved"
-    return tuple(Problem(file, 0, 0, "WM004", "error", sentence, hint) for sentence in said)
+    return tuple(Problem(file, 0, 0, "WM004", "error", sentence, hint) for sentence in faults)
 
 
 def _form(tensor: torch.Tensor) -> str:

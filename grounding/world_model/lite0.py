@@ -14,7 +14,7 @@ import torch
 from torch.nn import functional
 
 from grounding.world_model.frozen import FrozenNetwork, parse_options
-from grounding.world_model.weights import kept_weights
+from grounding.world_model.weights import cached_weights
 from onto_compiler.problems import OntoError
 
 __all__ = ["Lite0", "lite0"]
@@ -103,7 +103,7 @@ def lite0(options: Sequence[str] = (), device: str = "cpu") -> FrozenNetwork:
     """
     kind, size = parse_options("lite0", options, _KINDS, _SIZES)
     kind, size = kind or _KIND, size or _SIZE
-    network = Lite0(kept_weights(_packaged()), int(kind.removeprefix("block")))
+    network = Lite0(cached_weights(_packaged()), int(kind.removeprefix("block")))
     side = size // network.stride
     return FrozenNetwork(f"lite0:{kind}:{size}", size, (network.channels, side, side), network, device, _BATCH)
 

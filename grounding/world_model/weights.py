@@ -17,7 +17,7 @@ from grounding.world_model.checkpoint import Card, load, save
 from onto_compiler.cache import cache_folder
 from onto_compiler.problems import OntoError
 
-__all__ = ["kept_weights", "read_weights"]
+__all__ = ["cached_weights", "read_weights"]
 
 _LOG = logging.getLogger("onto_evwm.weights")
 
@@ -44,7 +44,7 @@ def read_weights(path: Path) -> dict[str, torch.Tensor]:
     return {str(name): value for name, value in found.items()}
 
 
-def kept_weights(path: Path, folder: Path | None = None) -> Mapping[str, torch.Tensor]:
+def cached_weights(path: Path, folder: Path | None = None) -> Mapping[str, torch.Tensor]:
     """The weights of the torch file ``path``, from its safetensors copy in ``folder`` (the user's cache).
 
     The copy is named by the hash of the file and carries a checksum. Where it is missing or damaged it is made again;

@@ -84,8 +84,8 @@ class _Builder:
         if not self.dialect.tolerant:
             self.problem(span, code, message, hint)
             return
-        said = f"{message}; readers pass over it"
-        self.passed_over.append(Problem.at(span, codes.PASSED_OVER, said, hint, "warning"))
+        text = f"{message}; readers pass over it"
+        self.passed_over.append(Problem.at(span, codes.PASSED_OVER, text, hint, "warning"))
 
     def problem(self, span: Span, code: str, message: str, hint: str = "") -> None:
         self.problems.append(Problem.at(span, code, message, hint))

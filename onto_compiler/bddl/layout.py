@@ -46,7 +46,7 @@ def format_text(text: str, file: str = "<string>") -> str:
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     spec = parse(text, file)
     if spec.passed_over:
-        raise OntoError(*(_lost(problem) for problem in spec.passed_over))
+        raise OntoError(*(_ambiguous(problem) for problem in spec.passed_over))
     lines = list(layout(spec))
     before: dict[int, list[str]] = {}
     after: dict[int, str] = {}
@@ -65,7 +65,7 @@ def format_text(text: str, file: str = "<string>") -> str:
     return "\n".join(printed) + "\n"
 
 
-def _lost(problem: Problem) -> Problem:
+def _ambiguous(problem: Problem) -> Problem:
     message = f"{problem.message}, so formatting would drop it"
     return replace(problem, code=codes.PASSED_OVER, severity="error", message=message)
 

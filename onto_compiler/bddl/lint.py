@@ -98,14 +98,14 @@ def _split(declarations: Sequence[Declaration]) -> Iterator[Problem]:
 def _placed(spec: TaskSpec) -> Iterator[Problem]:
     """Objects that nothing is said of at the start: nobody knows where they are."""
     places = dialect_of(spec.domain).places
-    told = {
+    located = {
         symbol.name
         for atom in (*spec.init, *(() if places else spec.absent))
         if not places or atom.predicate.lower() in places
         for symbol in (atom.arguments[:1] if places else atom.arguments)
     }
     for each in spec.objects:
-        if each.name not in told:
+        if each.name not in located:
             message = f"`{each.name}` is declared, and `:init` does not place it"
             hint = f"say where it is, as in `(On {each.name} ...)`, or remove it" if places else "say where it is"
             yield Problem.at(each.span, codes.NEVER_PLACED, message, hint, "warning")

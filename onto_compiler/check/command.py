@@ -60,7 +60,7 @@ def _check(arguments: argparse.Namespace) -> int:
     paths: Sequence[Path] = arguments.paths
     missing = [path for path in (*paths, *arguments.shapes) if not path.exists()]
     for path in missing:
-        _say(f"onto check: `{path}` does not exist")
+        _log(f"onto check: `{path}` does not exist")
     if missing:
         return MISUSE
     if (arguments.fix or arguments.diff) and not paths:
@@ -95,11 +95,11 @@ def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
     checked = Checked(problems, tuple(_shown(path) for path in report.files), arguments.fail_on)
     sys.stdout.write(render(arguments.format, checked))
     if problems:
-        _say(_summary(problems))
+        _log(_summary(problems))
     else:
         seconds = time.perf_counter() - begin
         files = counted(len(report.files), "file")
-        _say(f"no problem found in {files} ({report.triples:,} triples), {seconds:.2f} s")
+        _log(f"no problem found in {files} ({report.triples:,} triples), {seconds:.2f} s")
     return FINDINGS if checked.failures else CLEAN
 
 
@@ -110,12 +110,12 @@ def _fix(arguments: argparse.Namespace) -> int:
     fixed = fix(arguments.paths)
     if arguments.diff:
         sys.stdout.write(diff(fixed, {path: _shown(path) for path in fixed.after}))
-        _say(f"{counted(len(fixed.edits), 'repair')} in {counted(len(fixed.after), 'file')} would be made")
+        _log(f"{counted(len(fixed.edits), 'repair')} in {counted(len(fixed.after), 'file')} would be made")
         return FINDINGS if fixed.edits else CLEAN
     write(fixed)
     for edit in fixed.edits:
         place = f"{_shown(edit.problem.file)}:{edit.problem.line}:{edit.problem.column}"
-        _say(f"{place}: {edit.done} [{edit.problem.code}]")
+        _log(f"{place}: {edit.done} [{edit.problem.code}]")
     return _print(arguments, fixed.report, begin)
 
 
@@ -127,16 +127,16 @@ def _watch(arguments: argparse.Namespace) -> int:
     try:
         for changed in changes([*arguments.paths, *arguments.shapes] or [ontology.ROOT]):
             if changed:
-                _say(f"\n{', '.join(_shown(path.resolve()) for path in changed)} changed")
+                _log(f"\n{', '.join(_shown(path.resolve()) for path in changed)} changed")
             code = _once(arguments)
             sys.stdout.flush()
-            _say("watching; Ctrl-C ends")
+            _log("watching; Ctrl-C ends")
     except KeyboardInterrupt:
-        _say("")
+        _log("")
     return code
 
 
-def _say(message: str) -> None:
+def _log(message: str) -> None:
     sys.stderr.write(message + "\n")
 
 
@@ -174,7 +174,7 @@ def _explain(arguments: argparse.Namespace) -> int:
     text = page(code)
     if text is None:
         hint = near(code, codes())
-        _say(f"onto explain: `{arguments.code}` is no code of a problem; {hint}".rstrip("; "))
+        _log(f"onto explain: `{arguments.code}` is no code of a problem; {hint}".rstrip("; "))
         return MISUSE
     sys.stdout.write(text.rstrip() + "\n")
     return CLEAN

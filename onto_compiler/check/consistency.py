@@ -50,7 +50,7 @@ def check_consistency(model: Model) -> Iterator[Finding]:
         return
     closure = close(axioms, _facts(model, axioms.properties), _instances(suspects))
     empty: dict[NamedNode, tuple[Fact, ...]] = {}
-    told: set[frozenset[Fact]] = set()
+    reported: set[frozenset[Fact]] = set()
     for clash in closure.clashes:
         given = closure.given(clash.premises)
         # Of a class that is disjoint with itself, or with everything, nothing is said elsewhere.
@@ -61,8 +61,8 @@ def check_consistency(model: Model) -> Iterator[Finding]:
         real = tuple(fact for fact in given if not any(map(_is_assumed, fact)))
         if len(about) == 1:
             empty.setdefault(NamedNode(about.pop().removeprefix(_ASSUMED)), real)
-        elif not about and frozenset(given) not in told:
-            told.add(frozenset(given))
+        elif not about and frozenset(given) not in reported:
+            reported.add(frozenset(given))
             yield _contradiction(model, given)
     for cls, given in empty.items():
         above = closure.types[NamedNode(_ASSUMED + cls.value)] - {cls}

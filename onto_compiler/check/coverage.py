@@ -62,11 +62,11 @@ def _is_reported(model: Model, iri: str) -> bool:
 def _finding(
     cases: Cases, values: Mapping[str, Term], more: str, subject: Term, predicate: NamedNode, value: Term | None
 ) -> Finding:
-    told = ", nor ".join(
+    reasons = ", nor ".join(
         f"{'required to hold' if polarity else 'required not to hold'} and {' or '.join(map(local_name, statuses))}"
         for polarity, statuses in cases
     )
-    message = f"no rule names the failure of `{{fact}}`{more}: {told}"
+    message = f"no rule names the failure of `{{fact}}`{more}: {reasons}"
     # Few goals are negated: a rule for those is advice, until a task needs it.
     severity = "error" if any(polarity for polarity, _ in cases) else "warning"
     return Finding("RUL016", severity, message, _HINT, subject, predicate, value, values=values, general=True)

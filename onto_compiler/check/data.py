@@ -126,9 +126,9 @@ def _read(path: Path) -> Document:
 def _syntax(path: Path, kind: RdfFormat, error: SyntaxError) -> Problem:
     if kind in _NESTED:
         return parse_problem(path, error)
-    said = " ".join(str(error.msg or error).partition(" (line ")[0].split()).rpartition(": ")[2]
+    reason = " ".join(str(error.msg or error).partition(" (line ")[0].split()).rpartition(": ")[2]
     hint = "see `onto explain TTL001`"
-    if "LoadDocumentCallback" in said:
-        said, hint = "its context is at another place, and nothing is fetched", "write the context into the file"
-    message = f"not {kind.name}: {said[:1].lower()}{said[1:]}"
+    if "LoadDocumentCallback" in reason:
+        reason, hint = "its context is at another place, and nothing is fetched", "write the context into the file"
+    message = f"not {kind.name}: {reason[:1].lower()}{reason[1:]}"
     return Problem(str(path), error.lineno or 0, error.offset or 0, "TTL001", "error", message, hint)

@@ -172,7 +172,7 @@ class _Writer:
         span = self._where(result)
         name = self._name(result.shape)
         subject = self.data.shown(result.focus, span.file)
-        message = f"`{subject}` violates {name}: {self._said(result, span.file)}"
+        message = f"`{subject}` violates {name}: {self._message(result, span.file)}"
         shape = self.shapes.subject(result.shape)
         at = f" at {_relative(shape.file)}:{shape.line}:{shape.column}" if shape is not None else ""
         hint = result.hint or f"change the data, or the shape{at}; see `onto explain SHP001`"
@@ -188,7 +188,7 @@ class _Writer:
         if span is None and parameter is not None:
             span = self.shapes.predicate(fault.shape, parameter)
         span = span or self.shapes.subject(fault.shape) or Span(str(self.shapes.documents[0].path))
-        return Problem.at(span, *fault.told)
+        return Problem.at(span, *fault.fields)
 
     def _where(self, result: ShapeResult) -> Span:
         """From the narrowest place to the widest."""
@@ -221,7 +221,7 @@ class _Writer:
                 yield one.iri.value
             todo += one.parts
 
-    def _said(self, result: ShapeResult, file: str) -> str:
+    def _message(self, result: ShapeResult, file: str) -> str:
         if result.message:
             return result.message
         path = f"`{self._path(result.path, file)}`" if result.path is not None else ""

@@ -33,5 +33,5 @@ class Document:
 
     @property
     def has_places(self) -> bool:
-        """Whether lines and columns can be told."""
+        """Whether lines and columns are known."""
         return self.format in WITH_PLACES

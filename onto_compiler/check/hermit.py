@@ -1,4 +1,4 @@
-"""``onto check --reasoner hermit``: what OWL 2 RL does not see, asked of HermiT and told as any other problem."""
+"""``onto check --reasoner hermit``: finds with HermiT what OWL 2 RL does not, and reports it as problems."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from onto_compiler.reasoning.hermit import empty_classes
 
 __all__ = ["with_hermit"]
 
-_CODES = ("OWL005", "OWL006", "OWL009", "OWL010")  # what a contradiction or an empty class is told by already
+_CODES = ("OWL005", "OWL006", "OWL009", "OWL010")  # codes that report a contradiction or an empty class
 
 
 def with_hermit(report: Report, paths: Sequence[Path | str], texts: Mapping[Path, str] | None = None) -> Report:
@@ -35,11 +35,11 @@ def with_hermit(report: Report, paths: Sequence[Path | str], texts: Mapping[Path
         model = load_model(turtle, texts)
     except OntoError:  # in the report already: what is no Turtle is not reasoned with
         return report
-    told = {problem for problem in report.problems if problem.code in _CODES}
+    logical = {problem for problem in report.problems if problem.code in _CODES}
     # A contradiction that is named already would only be found again, without its axioms.
-    contradiction = any(problem.code in {"OWL005", "OWL009"} for problem in told)
+    contradiction = any(problem.code in {"OWL005", "OWL009"} for problem in logical)
     fresh = () if contradiction else locate(model, _findings(model))
-    empty = {(problem.file, _named(problem)) for problem in told}
+    empty = {(problem.file, _named(problem)) for problem in logical}
     new = {problem for problem in fresh if (problem.file, _named(problem)) not in empty}
     return Report(tuple(sorted({*report.problems, *new})), report.files, report.triples)
 

@@ -59,9 +59,9 @@ def check_model(model: Model) -> tuple[Problem, ...]:
     findings += [*check_hierarchy(model), *check_terms(model), *check_rules(model), *check_bindings(model)]
     findings += _shape_findings(model)
     # A value of the wrong class is often a contradiction too; the first word on a triple is the clearer one.
-    told = {(finding.subject, finding.predicate, finding.object) for finding in findings}
+    reported = {(finding.subject, finding.predicate, finding.object) for finding in findings}
     logical = (*check_dl(model), *check_rl(model), *check_consistency(model))
-    findings += (one for one in logical if (one.subject, one.predicate, one.object) not in told)
+    findings += (one for one in logical if (one.subject, one.predicate, one.object) not in reported)
     if findings:
         from onto_compiler.check.locate import locate  # noqa: PLC0415 - a clean run never needs a source map
 
@@ -79,7 +79,7 @@ def _shape_findings(model: Model) -> Iterator[Finding]:
 
 def fault_finding(fault: ShapeFault) -> Finding:
     """A shape that cannot run, at the parameter that is at fault."""
-    code, message, hint = fault.told
+    code, message, hint = fault.fields
     parameter = NamedNode(SH + fault.parameter) if fault.parameter else None
     return Finding(code, "error", message, hint, fault.shape, parameter, fault.value, inside=fault.inside)
 

@@ -22,8 +22,8 @@ _LONG = 60  # characters of a value that a line shows
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    said = "a Turtle file, a folder of them, or REVISION:PATH of git"
-    parser.add_argument("old", metavar="OLD", help=f"the earlier version: {said}")
+    forms = "a Turtle file, a folder of them, or REVISION:PATH of git"
+    parser.add_argument("old", metavar="OLD", help=f"the earlier version: {forms}")
     parser.add_argument("new", metavar="NEW", help="the later version, as OLD")
     add_format(parser, "markdown")
 

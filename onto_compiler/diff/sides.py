@@ -79,9 +79,9 @@ def _extract(revision: str, path: str, folder: str) -> None:
     except OSError as error:
         raise OntoError.of("SCH005", f"git cannot be run: {error.strerror}", "give files or folders") from error
     if done.returncode:
-        said = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
+        reason = done.stderr.decode(errors="replace").strip().partition("\n")[0].removeprefix("fatal: ")
         hint = "give REVISION:PATH, the path as seen from the working directory, or files"
-        raise OntoError.of("SCH005", f"git has no `{path}` of `{revision}`: {said}", hint)
+        raise OntoError.of("SCH005", f"git has no `{path}` of `{revision}`: {reason}", hint)
     with tarfile.open(fileobj=io.BytesIO(done.stdout)) as archive:
         for member in archive:
             if (content := archive.extractfile(member)) is not None:
@@ -110,9 +110,9 @@ def _side(paths: list[Path]) -> Side:
     for one, other in _disjoint(store):
         terms.setdefault(one, {}).setdefault(DISJOINT, set()).add(iri_text(other))
     for iri, about in terms.items():
-        for said in about.get(RDFS + "isDefinedBy", ()):
-            if said.startswith("<"):
-                ontology[iri] = said[1:-1]
+        for reason in about.get(RDFS + "isDefinedBy", ()):
+            if reason.startswith("<"):
+                ontology[iri] = reason[1:-1]
     versions = {iri: _first(store, iri, OWL + "versionInfo") for iri in headers.values()}
     frozen = {iri: {name: frozenset(values) for name, values in about.items()} for iri, about in terms.items()}
     return Side(frozen, ontology, versions, _closure(store))

@@ -65,14 +65,14 @@ def _settings(file: Path, table: dict[str, Any]) -> Settings:
     for key, value in table.items():
         if key == "ontology":
             wrong = not isinstance(value, list) or not all(isinstance(one, str) for one in value)
-            said, hint = "is no list of paths", "write a list of Turtle files or folders"
+            fault, hint = "is no list of paths", "write a list of Turtle files or folders"
         elif key not in OUTPUTS:
-            wrong, said = True, "is no output of `onto schema`"
+            wrong, fault = True, "is no output of `onto schema`"
             hint = near(key, OUTPUTS) or f"the outputs are {', '.join(OUTPUTS)}"
         else:
-            wrong, said, hint = not isinstance(value, str), "is no path", "write the path of the file to generate"
+            wrong, fault, hint = not isinstance(value, str), "is no path", "write the path of the file to generate"
         if wrong:
-            problems.append(Problem(str(file), 0, 0, "SCH002", "error", f"`{key}` in `{_TABLE}` {said}", hint))
+            problems.append(Problem(str(file), 0, 0, "SCH002", "error", f"`{key}` in `{_TABLE}` {fault}", hint))
     if problems:
         raise OntoError(*problems)
     root = file.parent

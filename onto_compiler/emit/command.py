@@ -51,7 +51,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.format == "json":
         print_json({"files": states, "problems": [problem.as_dict() for problem in problems]})
     else:
-        _tell(states, problems, sys.stdout.write)
+        _report(states, problems, sys.stdout.write)
     return FINDINGS if problems else CLEAN
 
 
@@ -63,7 +63,7 @@ def _relative(path: Path) -> str:
         return str(path)
 
 
-def _tell(states: list[dict[str, str]], problems: list[Problem], write: Callable[[str], object]) -> None:
+def _report(states: list[dict[str, str]], problems: list[Problem], write: Callable[[str], object]) -> None:
     for row in states:
         if row["state"] == "written":
             write(f"wrote {row['file']}\n")
@@ -74,9 +74,9 @@ def _tell(states: list[dict[str, str]], problems: list[Problem], write: Callable
 
 
 def _problem(file: str, output: str, state: str) -> Problem:
-    said = "does not exist" if state == "missing" else "is not what the ontology generates now"
+    fault = "does not exist" if state == "missing" else "is not what the ontology generates now"
     hint = f"run `onto schema --write`, or `onto schema --emit {output} --output {file}`"
-    return Problem(file, 0, 0, "SCH003", "error", f"`{Path(file).name}` {said}", hint)
+    return Problem(file, 0, 0, "SCH003", "error", f"`{Path(file).name}` {fault}", hint)
 
 
 SCHEMA = Command(

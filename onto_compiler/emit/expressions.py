@@ -150,10 +150,10 @@ def _facets(tbox: TBox, term: Term, base: Term, depth: int) -> tuple[Pair, ...]:
     pairs = list(expression(tbox, base, depth))
     for head in tbox.values(term, OWL + "withRestrictions"):
         for facet in tbox.items(head):
-            said = [(shacl, value) for name, shacl in _FACETS.items() for value in tbox.values(facet, XSD + name)]
-            if not said:
+            facets = [(shacl, value) for name, shacl in _FACETS.items() for value in tbox.values(facet, XSD + name)]
+            if not facets:
                 raise NotExpressed("a facet that SHACL lacks")
-            pairs += [(shacl, term_text(value)) for shacl, value in said if not isinstance(value, BlankNode)]
+            pairs += [(shacl, term_text(value)) for shacl, value in facets if not isinstance(value, BlankNode)]
     return tuple(pairs)
 
 

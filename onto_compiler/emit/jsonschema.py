@@ -84,8 +84,8 @@ def _ref(name: str) -> Json:
 
 
 def _when(field: str, words_: list[str], then: Json) -> Json:
-    told = {"const": words_[0]} if len(words_) == 1 else {"enum": words_}
-    return {"if": {"properties": {field: told}, "required": [field]}, "then": {"properties": then}}
+    condition = {"const": words_[0]} if len(words_) == 1 else {"enum": words_}
+    return {"if": {"properties": {field: condition}, "required": [field]}, "then": {"properties": then}}
 
 
 def _signatures(tbox: TBox) -> Iterator[Json]:

@@ -187,13 +187,13 @@ def _signature_shape(signature: PredicateSignature) -> str:
     name = shorten(signature.iri)
     facts: list[Pair] = [("sh:path", Blank((("sh:inversePath", "core:predicate"),)))]
     for place, argument in enumerate(_ARGUMENTS):
-        said: list[Pair] = [("sh:path", f"core:{argument}")]
+        constraints: list[Pair] = [("sh:path", f"core:{argument}")]
         if place < len(signature.parameters):
             wanted = signature.parameters[place]
-            said += [("sh:minCount", "1"), ("sh:maxCount", "1"), ("sh:class", iri_text(wanted))]
+            constraints += [("sh:minCount", "1"), ("sh:maxCount", "1"), ("sh:class", iri_text(wanted))]
             message = f"must have one core:{argument}, of class {shorten(wanted)}, as {name} takes"
         else:
-            said.append(("sh:maxCount", "0"))
+            constraints.append(("sh:maxCount", "0"))
             message = f"must have no core:{argument}, as {name} takes {len(signature.parameters)}"
-        facts.append(("sh:property", Blank((*said, ("sh:message", quoted(message))))))
+        facts.append(("sh:property", Blank((*constraints, ("sh:message", quoted(message))))))
     return _shape("predicate", signature.iri, [("sh:property", Blank(tuple(facts)))])

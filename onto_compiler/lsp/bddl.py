@@ -86,8 +86,8 @@ def hover(text: str, offset: int, schema: Schema) -> Hover | None:
         what = f", of class {local_name(cls)}" if cls else ""
         of = "region of" if declared.kind == "region" else f"{declared.kind} of category"
         return Hover(f"**{declared.name}**: {of} `{declared.category}`{what}", span)
-    told = [f"`{what}`\n\n{about}" for known, what, about in _predicates(schema) if known.casefold() == name]
-    return Hover(f"**{word[0]}** (predicate)\n\n" + "\n\n".join(told), span) if told else None
+    entries = [f"`{what}`\n\n{about}" for known, what, about in _predicates(schema) if known.casefold() == name]
+    return Hover(f"**{word[0]}** (predicate)\n\n" + "\n\n".join(entries), span) if entries else None
 
 
 def defined_at(text: str, file: str, offset: int) -> Span | None:

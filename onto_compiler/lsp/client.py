@@ -33,21 +33,21 @@ class Client(Closing):
         start: dict[str, object] = {"processId": None, "rootUri": None, "capabilities": {"general": {}}}
         if folder is not None:
             start["workspaceFolders"] = [{"uri": folder.as_uri(), "name": folder.name}]
-        self.capabilities = self.ask("initialize", start)["capabilities"]
-        self.tell("initialized", {})
+        self.capabilities = self.request("initialize", start)["capabilities"]
+        self.notify("initialized", {})
 
     def close(self) -> int:
         """End the session as the protocol has it; the exit code."""
         if self.process.poll() is None:
-            self.ask("shutdown", None)
-            self.tell("exit", None)
+            self.request("shutdown", None)
+            self.notify("exit", None)
         code = self.process.wait(timeout=20)
         for stream in (self.process.stdin, self.process.stdout, self.process.stderr):
             if stream is not None:
                 stream.close()
         return code
 
-    def ask(self, method: str, params: object) -> Any:  # noqa: ANN401 - whatever the method answers
+    def request(self, method: str, params: object) -> Any:  # noqa: ANN401 - whatever the method answers
         """Send a request and wait for its result; notifications that come before it are logged."""
         self._number += 1
         self._send({"jsonrpc": "2.0", "id": self._number, "method": method, "params": params})
@@ -59,7 +59,7 @@ class Client(Closing):
                 return message["result"]
             self.log.append(message)
 
-    def tell(self, method: str, params: object) -> None:
+    def notify(self, method: str, params: object) -> None:
         """Send a notification."""
         self._send({"jsonrpc": "2.0", "method": method, "params": params})
 
@@ -68,7 +68,7 @@ class Client(Closing):
         uri = path.as_uri()
         self._versions[uri] = 1
         item = {"uri": uri, "languageId": language, "version": 1, "text": text}
-        self.tell("textDocument/didOpen", {"textDocument": item})
+        self.notify("textDocument/didOpen", {"textDocument": item})
         return self.diagnostics(uri)
 
     def type(self, path: Path, line: int, character: int, text: str, erase: int = 0) -> Sequence[Mapping[str, Any]]:
@@ -84,7 +84,7 @@ class Client(Closing):
         first, last = ({"line": line, "character": character} for line, character in (start, end))
         change = {"range": {"start": first, "end": last}, "text": text}
         document = {"uri": uri, "version": self._versions[uri]}
-        self.tell("textDocument/didChange", {"textDocument": document, "contentChanges": [change]})
+        self.notify("textDocument/didChange", {"textDocument": document, "contentChanges": [change]})
         return self.diagnostics(uri)
 
     def diagnostics(self, uri: str) -> Sequence[Mapping[str, Any]]:
@@ -103,7 +103,7 @@ class Client(Closing):
     def at(self, method: str, path: Path, line: int, character: int) -> Any:  # noqa: ANN401 - as ``ask``
         """Ask something of a place."""
         position = {"line": line, "character": character}
-        return self.ask(f"textDocument/{method}", {"textDocument": {"uri": path.as_uri()}, "position": position})
+        return self.request(f"textDocument/{method}", {"textDocument": {"uri": path.as_uri()}, "position": position})
 
     def _send(self, message: Mapping[str, Any]) -> None:
         body = json.dumps(message).encode()

@@ -136,13 +136,13 @@ def _hover(ls: OntoServer, params: types.HoverParams) -> types.Hover | None:
     document = ls.workspace.get_text_document(params.text_document.uri)
     offset = document.offset_at_position(params.position)
     if _is_task(document):
-        told = bddl.hover(document.source, offset, ls.compiled())
+        info = bddl.hover(document.source, offset, ls.compiled())
     else:
-        told = turtle.hover(document.source, offset, ls.vocabulary(document))
-    if told is None:
+        info = turtle.hover(document.source, offset, ls.vocabulary(document))
+    if info is None:
         return None
-    content = types.MarkupContent(types.MarkupKind.Markdown, told.markdown)
-    return types.Hover(content, _range(document, told.span))
+    content = types.MarkupContent(types.MarkupKind.Markdown, info.markdown)
+    return types.Hover(content, _range(document, info.span))
 
 
 def _definition(ls: OntoServer, params: types.DefinitionParams) -> types.Location | None:

@@ -212,9 +212,9 @@ class Closure:
                 ]
                 if most == 0 and values:
                     self.clash(subject, *counted[0], *because)
-                for one, told in zip(values[1:], counted[1:], strict=True):
+                for one, reasons in zip(values[1:], counted[1:], strict=True):
                     if most == 1:
-                        self.equal(subject, values[0], one, *counted[0], *told, *because)
+                        self.equal(subject, values[0], one, *counted[0], *reasons, *because)
 
     def equal(self, about: Term, one: Term, other: Term, *premises: Fact) -> None:
         """Two names for one thing; two literals are never one."""

@@ -70,11 +70,11 @@ def printed(
 
 def _column(field: Field, via: Callable[[Any], Any], *, null: bool) -> Column:
     undefined = not field.needed and any(same(field.missing, nothing) for nothing in (None, "", NAN))
-    said = "" if field.form.json == "object" else field.term
+    iri = "" if field.form.json == "object" else field.term
 
     def value(subject: Any, names: Any) -> Any:  # noqa: ANN401 - of any field
         held = via(subject)
         found = None if held is None else getattr(held, field.name)
         return None if found is None or (undefined and found == "") else field.form.printed(found, names)
 
-    return Column(field.form.json, value, said, null=null or undefined)
+    return Column(field.form.json, value, iri, null=null or undefined)

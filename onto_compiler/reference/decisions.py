@@ -43,12 +43,12 @@ def routes_section(reference: Reference) -> Html:
         for iri, route in sorted(schema.routes.items())
     ]
     columns = ("route", "level", "admits", "supports", "on rejection", "meaning")
-    told = "Failures that a rule names, the most urgent first"
+    caption = "Failures that a rule names, the most urgent first"
     return joined(
         [
             route_diagram(reference),
             element("h3", "Failures"),
-            table(told, ("failure", "priority", "meaning", "admitted by"), failures, {1}),
+            table(caption, ("failure", "priority", "meaning", "admitted by"), failures, {1}),
             element("h3", "Routes"),
             table("Routes: dispatch labels, not robot actions", columns, routes),
         ]

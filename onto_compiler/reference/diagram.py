@@ -57,9 +57,9 @@ def route_diagram(reference: Reference) -> Html:
         for rank, name in enumerate(column):
             at[name] = (_EDGE + index * (_BOX + _BETWEEN), _ROW + slack + rank * (_HIGH + _GAP) + _GAP / 2)
     parts = [_head(index, text) for index, text in enumerate(_HEADS[: len(columns)])]
-    parts += [_line(at[start], at[end], told) for (start, end), told in edges.items()]
+    parts += [_line(at[start], at[end], label) for (start, end), label in edges.items()]
     parts += [_box(reference, name, at[name], depth[name]) for name in nodes]
-    told = f"{len(nodes)} terms and {len(edges)} arrows; the tables below say the same"
+    label = f"{len(nodes)} terms and {len(edges)} arrows; the tables below say the same"
     drawing = element(
         "svg",
         Html("".join(parts)),
@@ -67,7 +67,7 @@ def route_diagram(reference: Reference) -> Html:
         width=str(width),
         height=str(height),
         role="group",
-        aria_label=f"From kinds of predicate through failures to routes: {told}",
+        aria_label=f"From kinds of predicate through failures to routes: {label}",
     )
     return element(
         "div",
@@ -90,13 +90,13 @@ def _head(index: int, text: str) -> str:
     return f'<text class="column" x="{x:g}" y="14" text-anchor="middle">{escape(text)}</text>'
 
 
-def _line(start: tuple[float, float], end: tuple[float, float], told: str) -> str:
+def _line(start: tuple[float, float], end: tuple[float, float], label: str) -> str:
     x, y = start[0] + _BOX, start[1] + _HIGH / 2
     to_x, to_y = end[0], end[1] + _HIGH / 2
     bend = max((to_x - x) / 2, _BETWEEN / 2)
     path = f"M{x:g} {y:g}C{x + bend:g} {y:g} {to_x - bend:g} {to_y:g} {to_x - 5:g} {to_y:g}"
     head = f"M{to_x:g} {to_y:g}l-8 -4v8z"
-    return f'<g class="edge"><title>{escape(told)}</title><path d="{path}"/><path class="tip" d="{head}"/></g>'
+    return f'<g class="edge"><title>{escape(label)}</title><path d="{path}"/><path class="tip" d="{head}"/></g>'
 
 
 def _box(reference: Reference, name: str, at: tuple[float, float], column: int) -> str:

@@ -52,7 +52,7 @@ def reference_html(paths: Sequence[Path | str] = ()) -> str:
 def _sections(reference: Reference) -> list[tuple[str, str, Html]]:
     classes = reference.of_type(OWL + "Class")
     properties = reference.of_type(*_PROPERTIES)
-    told = "How the parts of the vocabulary are related"
+    caption = "How the parts of the vocabulary are related"
     return [
         ("predicates", "Predicates", predicates_section(reference)),
         ("routes", "Failures and routes", routes_section(reference)),
@@ -62,7 +62,7 @@ def _sections(reference: Reference) -> list[tuple[str, str, Html]]:
         (
             "properties",
             "Properties",
-            properties_table(reference, [p for p in properties if not is_trace(reference, p)], told),
+            properties_table(reference, [p for p in properties if not is_trace(reference, p)], caption),
         ),
         ("bindings", "Bindings", bindings_section(reference)),
         ("thresholds", "Thresholds", thresholds_section(reference)),

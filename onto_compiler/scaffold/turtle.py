@@ -171,7 +171,7 @@ def _free_priority(model: Model) -> int:
 def _declarations(model: Model, iri: str, needed: dict[str, str]) -> str:
     """What the header must say of the prefixes within rules, and does not say yet."""
     prefix = NamedNode(SH + "prefix")
-    said = {
+    inherited = {
         _value(quad.object)
         for entry in model.store.quads_for_pattern(NamedNode(iri), NamedNode(SH + "declare"), None, None)
         for quad in model.store.quads_for_pattern(entry.object, prefix, None, None)  # type: ignore[arg-type]
@@ -179,7 +179,7 @@ def _declarations(model: Model, iri: str, needed: dict[str, str]) -> str:
     lines = [
         templates.DECLARE.format(iri=iri, prefix=name, namespace=namespace)
         for name, namespace in needed.items()
-        if name not in said
+        if name not in inherited
     ]
     return "".join(lines) + "\n" if lines else ""
 

@@ -85,7 +85,7 @@ class Compiler:
         checks = () if reader.is_true(node, "deactivated") else tuple(self._checks(reader, node, path))
         self._referred[node] = list(reader.wanted)
         severity = reader.one(node, "severity")
-        message, code, hint = reader.spoken(node)
+        message, code, hint = reader.texts(node)
         return Shape(
             node,
             path_node,

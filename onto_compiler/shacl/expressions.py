@@ -33,7 +33,7 @@ def expression_checks(reader: Reader, shape: Term) -> Iterator[Check]:
         if reader.is_true(node, "deactivated"):
             continue
         expression = read_expression(reader, node, shape)
-        message, code, hint = reader.spoken(node) if isinstance(node, BlankNode) else ("", "", "")
+        message, code, hint = reader.texts(node) if isinstance(node, BlankNode) else ("", "", "")
         words = "must make an expression true"
         yield Custom("ExpressionConstraintComponent", _untrue(expression), words, message, code, hint)
 

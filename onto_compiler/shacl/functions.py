@@ -69,8 +69,8 @@ def _function(name: NamedNode, known: Functions, query: Query, names: Sequence[s
         try:
             answer = known.data.store.query(text, use_default_graph_as_union=True, custom_functions=dict(everything))
         except SyntaxError as error:
-            said = " ".join(str(error).partition(", [")[0].split())
-            raise ShapeFault(f"the function {name} cannot run: {said}", name) from error
+            reason = " ".join(str(error).partition(", [")[0].split())
+            raise ShapeFault(f"the function {name} cannot run: {reason}", name) from error
         if isinstance(answer, QueryTriples):
             raise ShapeFault(f"the function {name} is neither a SELECT nor an ASK query", name)
         if isinstance(answer, QueryBoolean):

@@ -53,7 +53,7 @@ class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError on
         return str(self) == str(other) and self.shape == other.shape
 
     @property
-    def told(self) -> tuple[str, str, str]:
+    def fields(self) -> tuple[str, str, str]:
         """Code, message and help, where no place is known yet."""
         problem = self.problems[0]
         if problem.code == "SHP002":

@@ -50,7 +50,7 @@ class Reader:
         """Whether ``sh:name`` is true."""
         return any(value.value == "true" for value in self.values(node, name))
 
-    def spoken(self, node: Term) -> tuple[str, str, str]:
+    def texts(self, node: Term) -> tuple[str, str, str]:
         """Message, code and hint that a shape or constraint gives."""
         return self.text(node, "message"), self.text(node, _CODE), self.text(node, _HINT)
 
@@ -92,8 +92,8 @@ class Reader:
         try:
             refused = refusal(whole)
         except SyntaxError as error:
-            said = " ".join(str(error).partition(", [")[0].split())
-            raise ShapeFault(f"the query is not SPARQL: {said}", node, name, text) from error
+            reason = " ".join(str(error).partition(", [")[0].split())
+            raise ShapeFault(f"the query is not SPARQL: {reason}", node, name, text) from error
         if refused is None:
             return whole
         place = refused.place(text.value)

@@ -34,9 +34,9 @@ def _plain(term: Term) -> str:
 
 
 def _read(shape: Term, text: str, names: Sequence[str], constraint: Term) -> Query:
-    said = unsupported(text, names)
-    if said:
-        raise ShapeFault(said, shape, "sparql", constraint)
+    fault = unsupported(text, names)
+    if fault:
+        raise ShapeFault(fault, shape, "sparql", constraint)
     return read_query(text, names)
 
 
@@ -53,7 +53,7 @@ def sparql_check(reader: Reader, shape: Term, path: Path | None, constraint: Ter
     if select is None:
         raise ShapeFault("a sh:sparql constraint has no sh:select", shape, "sparql", constraint)
     query = _read(shape, select, _ALWAYS, constraint)
-    message, code, hint = reader.spoken(constraint)
+    message, code, hint = reader.texts(constraint)
     find = _selecting(query, shape, {}, "SPARQLConstraintComponent", on_path=path is not None, message=message)
     return Custom("SPARQLConstraintComponent", find, "must not be selected by a query", message, code, hint)
 
@@ -170,11 +170,11 @@ def _custom(
         ask = reader.query(validator, "ask", path)
         assert ask is not None  # noqa: S101 - what makes a validator one
         query = _read(shape, ask, (*_ALWAYS, "value", *declared), validator)
-        find = _asking(query, shape, given, name, message)
+        find = _ask_query(query, shape, given, name, message)
     return Custom(name, find, f"must satisfy {_local_name(component.iri)}", fill(message, given))
 
 
-def _asking(
+def _ask_query(
     query: Query, shape: Term, given: Mapping[str, Term], component: str, message: str
 ) -> Callable[[Run, Term, Sequence[Term]], Iterable[Hit]]:
     """An ASK that is false for a value node is a violation."""

@@ -139,7 +139,7 @@ def _key(literal: Literal) -> Key | None:
     if name in {"string", "boolean"}:
         return (name, text if name == "string" else text in {"true", "1"}, True)
     if name in _TIMES:
-        return _moment(name.removesuffix("Stamp"), text)
+        return _timestamp(name.removesuffix("Stamp"), text)
     return (name, _duration(text), True) if name in _DURATIONS else None
 
 
@@ -148,7 +148,7 @@ def _inexact(text: str) -> Key | None:
     return None if isnan(number) else ("number", number, True)
 
 
-def _moment(kind: str, text: str) -> Key | None:
+def _timestamp(kind: str, text: str) -> Key | None:
     """Seconds on a line; years before 1 and beyond 9999 are placed by whole cycles of 400 years."""
     match = _FORMS["dateTime" if kind == "dateTime" else kind].fullmatch(text)
     if match is None:

@@ -1,4 +1,4 @@
-"""Oxigraph's syntax error, told as a person would: what was found, what was expected, and where the slip really is."""
+"""Oxigraph's syntax errors in plain words: what was found, what was expected, and where the mistake really is."""
 
 from __future__ import annotations
 

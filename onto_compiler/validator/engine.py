@@ -37,7 +37,7 @@ def _native(reader: Reader, shape: Shape) -> Shape:
 
 
 def _check(reader: Reader, constraint: Term, implication: Implication) -> Check:
-    message, code, hint = reader.spoken(constraint)
+    message, code, hint = reader.texts(constraint)
 
     def find(run: Run, focus: Term, _: Sequence[Term]) -> Iterator[Hit]:
         for row in implication(run.data, focus):

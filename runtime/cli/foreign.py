@@ -8,7 +8,7 @@ from importlib.metadata import EntryPoint
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.registered import package, points
 
-__all__ = ["told"]
+__all__ = ["foreign_problem"]
 
 _KINDS = {
     "onto_evwm.groundings": "grounding function",
@@ -23,7 +23,7 @@ _KINDS = {
 _OURS = {"benchmarks", "grounding", "onto_compiler", "ontology", "runtime"}
 
 
-def told(error: Exception) -> OntoError | None:
+def foreign_problem(error: Exception) -> OntoError | None:
     """``error`` as a problem at the line of the registered code that raised it; None if it arose in our own code."""
     registered = [
         (point, kind) for group, kind in _KINDS.items() for point in points(group) if _top(point.module) not in _OURS

@@ -11,7 +11,7 @@ from onto_compiler.command import CLEAN, MISUSE, print_json
 from onto_compiler.problems import OntoError, render_all
 from onto_compiler.versions import version_of
 from runtime.cli.discovery import advice, installed, load
-from runtime.cli.foreign import told
+from runtime.cli.foreign import foreign_problem
 from runtime.cli.parser import overview, parser_of
 
 __all__ = ["INTERNAL", "INTERRUPTED", "PIPE_CLOSED", "main"]
@@ -93,7 +93,7 @@ def _missing(error: ImportError, arguments: Sequence[str]) -> int:
 
 def _failed(error: Exception, arguments: Sequence[str]) -> int:
     """The problem to report for an exception in registered code or in ours."""
-    foreign = told(error)
+    foreign = foreign_problem(error)
     if foreign is None:
         return _internal(error)
     if os.environ.get("ONTO_DEBUG") == "1":

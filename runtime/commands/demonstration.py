@@ -58,9 +58,9 @@ def demonstrate(options: argparse.Namespace, *, drawing: bool) -> int:
     wall = time.perf_counter() - started
     accepted = sum(each.episode.accepted for each in shown)
     if options.format == "json":
-        told = [each.episode for each in shown]
-        settled = sum(bool(task.accepted and task.verification and task.verification.settled) for task in told)
-        record = {"tasks": told, "accepted": accepted, "settled": settled, "wall_s": round(wall, 2)}
+        played = [each.episode for each in shown]
+        settled = sum(bool(task.accepted and task.verification and task.verification.settled) for task in played)
+        record = {"tasks": played, "accepted": accepted, "settled": settled, "wall_s": round(wall, 2)}
         print_json(DEMONSTRATION.of(record, knowledge.schema))
     else:
         _print(options, shown, knowledge, answers, wall)

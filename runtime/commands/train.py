@@ -56,11 +56,11 @@ def _run(options: argparse.Namespace) -> int:
     for stage in options.stages:
         begun = time.perf_counter()
         command = f"onto train {options.world} {stage} --seed {options.seed}{_chosen(options, stage)}"
-        found = stage_of(stage, command, commit, lambda text: _say(options, text))
+        found = stage_of(stage, command, commit, lambda text: _log(options, text))
         metrics[stage] = {**found, "seconds": round(time.perf_counter() - begun, 1)}
         if options.format == "text":
-            told = "  ".join(f"{name} {value:.3g}" for name, value in metrics[stage].items())
-            sys.stdout.write(f"{stage:<11}{told}\n")
+            values = "  ".join(f"{name} {value:.3g}" for name, value in metrics[stage].items())
+            sys.stdout.write(f"{stage:<11}{values}\n")
     if options.format == "json":
         print_json(metrics)
     else:
@@ -88,7 +88,7 @@ def _chosen(options: argparse.Namespace, stage: str) -> str:
     return f"{chosen} --demos DIR" if options.demos is not None else chosen
 
 
-def _say(options: argparse.Namespace, text: str) -> None:
+def _log(options: argparse.Namespace, text: str) -> None:
     if options.format == "text":
         sys.stderr.write(f"{text}\n")
 

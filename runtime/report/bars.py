@@ -46,5 +46,5 @@ def margin_bar(before: float, after: float, threshold: float, unit: str, *, pola
         label = amount(limit + value, unit)
         parts.append(f'<text x="{place}" y="{_HEIGHT - 1}" text-anchor="{anchor}">{label}</text>')
     parts.append(f'<text x="{middle:g}" y="{_HEIGHT - 1}" text-anchor="middle">{bound}</text>')
-    told = f"margin before {amount(before, unit)}, after {amount(after, unit)}, threshold {bound}"
-    return element("svg", Html("".join(parts)), viewBox=f"0 0 {_WIDTH} {_HEIGHT}", role="img", aria_label=told)
+    description = f"margin before {amount(before, unit)}, after {amount(after, unit)}, threshold {bound}"
+    return element("svg", Html("".join(parts)), viewBox=f"0 0 {_WIDTH} {_HEIGHT}", role="img", aria_label=description)

@@ -21,7 +21,7 @@ from runtime.loop.records import Episode
 from runtime.report.sections import episode_name
 from runtime.trace.narrate import chain, outcome_sentence
 
-__all__ = ["Frame", "Shot", "film_html", "film_picture", "moments", "write_film"]
+__all__ = ["Frame", "Shot", "film_html", "film_picture", "shots", "write_film"]
 
 Array = NDArray[np.float64]
 
@@ -47,11 +47,11 @@ class Shot:
 class Frame:
     """A shot and its JPEG."""
 
-    moment: Shot
+    shot: Shot
     picture: bytes
 
 
-def moments(actions: Array, bounds: Sequence[int]) -> tuple[Shot, ...]:
+def shots(actions: Array, bounds: Sequence[int]) -> tuple[Shot, ...]:
     """The shots of ``actions`` (n, 7), of which attempt k took those from ``bounds[k]`` to ``bounds[k + 1]``.
 
     The grasp is the first closing of the gripper in the attempt, some steps later, when the fingers hold; the release
@@ -81,40 +81,40 @@ def film_html(episode: Episode, schema: Schema, frames: Sequence[Frame]) -> str:
     if not episode.attempts:
         rows.append(element("div", *map(_figure, frames), class_="strip"))
     for attempt in episode.attempts:
-        shown = [_figure(frame) for frame in frames if frame.moment.attempt == attempt.index]
-        told = [element("p", prose(sentence)) for sentence in chain(attempt, schema)]
+        shown = [_figure(frame) for frame in frames if frame.shot.attempt == attempt.index]
+        sentences = [element("p", prose(sentence)) for sentence in chain(attempt, schema)]
         rows.append(element("h2", f"Attempt {attempt.index + 1}"))
-        rows += [element("div", *shown, class_="strip"), *told]
+        rows += [element("div", *shown, class_="strip"), *sentences]
     rows.append(element("p", element("b", "Outcome: "), outcome_sentence(episode)))
     return page(title, style, element("header", element("h1", title), instruction), element("main", *rows))
 
 
 def _figure(frame: Frame) -> Html:
     source = f"data:image/jpeg;base64,{b64encode(frame.picture).decode('ascii')}"
-    caption = _caption(frame.moment)
-    image = Html(f'<img src="{source}" alt="{escape(f"attempt {frame.moment.attempt + 1}, {caption}", quote=True)}"/>')
+    caption = _caption(frame.shot)
+    image = Html(f'<img src="{source}" alt="{escape(f"attempt {frame.shot.attempt + 1}, {caption}", quote=True)}"/>')
     return element("figure", image, element("figcaption", caption))
 
 
-def _told(episode: Episode, moment: Shot) -> str:
+def _shot_caption(episode: Episode, shot: Shot) -> str:
     if not episode.attempts:
-        return _caption(moment)
-    text = f"attempt {moment.attempt + 1}, {_caption(moment)}"
-    if moment.name != "after":
+        return _caption(shot)
+    text = f"attempt {shot.attempt + 1}, {_caption(shot)}"
+    if shot.name != "after":
         return text
-    verdict = episode.attempts[moment.attempt].verification
+    verdict = episode.attempts[shot.attempt].verification
     return f"{text}: {'broken off' if verdict is None else 'accepted' if verdict.outcome else 'rejected'}"
 
 
-def _caption(moment: Shot) -> str:
-    return f"{moment.name}, step {moment.step}"
+def _caption(shot: Shot) -> str:
+    return f"{shot.name}, step {shot.step}"
 
 
 def film_picture(episode: Episode, frames: Sequence[Frame], suffix: str) -> bytes:
     """The strip, of at least one frame, as a ``.png`` or ``.jpg``: a row for each attempt with its verdict below."""
     from PIL import Image, ImageDraw, ImageFont  # noqa: PLC0415 - comes with the simulator
 
-    rows = [tuple(row) for _, row in groupby(frames, lambda frame: frame.moment.attempt)]
+    rows = [tuple(row) for _, row in groupby(frames, lambda frame: frame.shot.attempt)]
     width, height = Image.open(io.BytesIO(frames[0].picture)).size
     sheet = Image.new("RGB", (width * max(map(len, rows)), (height + _BAR) * len(rows)), _PAPER)
     draw, font = ImageDraw.Draw(sheet), ImageFont.load_default(_TEXT)
@@ -122,7 +122,7 @@ def film_picture(episode: Episode, frames: Sequence[Frame], suffix: str) -> byte
         for column, frame in enumerate(row):
             left, top = column * width, number * (height + _BAR)
             sheet.paste(Image.open(io.BytesIO(frame.picture)), (left, top))
-            draw.text((left + 6, top + height + 4), _told(episode, frame.moment), fill=_INK, font=font)
+            draw.text((left + 6, top + height + 4), _shot_caption(episode, frame.shot), fill=_INK, font=font)
     buffer = io.BytesIO()
     kind, how = _PICTURES[suffix]
     sheet.save(buffer, kind, **how)
@@ -137,7 +137,7 @@ def write_film(
     Raises:
         OntoError: TRC001 if ``path`` cannot be written.
     """
-    frames = [Frame(moment, shoot(moment.step)) for moment in shown]
+    frames = [Frame(shot, shoot(shot.step)) for shot in shown]
     suffix = path.suffix.lower()
     drawn = suffix in _PICTURES
     content = film_picture(episode, frames, suffix) if drawn else film_html(episode, schema, frames).encode("utf-8")

@@ -20,7 +20,7 @@ def margin_chart(
     true: NDArray[np.float64],
     predicted: Sequence[tuple[NDArray[np.int64], NDArray[np.float64]]],
     unit: str,
-    told: str,
+    label: str,
     required: float = 0.0,
 ) -> Html:
     """An SVG of the ``true`` margin (T + 1,) after each step and of each plan's ``predicted`` steps and margins.
@@ -62,4 +62,4 @@ def margin_chart(
         anchor = "start" if step == 0 else "end"
         parts.append(f'<text x="{x(step):.1f}" y="{_HEIGHT - 4}" text-anchor="{anchor}">step {step}</text>')
     parts.append(f'<text x="{(x(0) + x(last)) / 2:.1f}" y="{_HEIGHT - 4}" text-anchor="middle">{unit}</text>')
-    return element("svg", Html("".join(parts)), viewBox=f"0 0 {_WIDTH} {_HEIGHT}", role="img", aria_label=told)
+    return element("svg", Html("".join(parts)), viewBox=f"0 0 {_WIDTH} {_HEIGHT}", role="img", aria_label=label)

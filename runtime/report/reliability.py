@@ -36,7 +36,7 @@ def reliability(score: NDArray[np.float64], held: NDArray[np.bool_], bins: int =
     return Reliability(mean[full], share[full], count[full], error)
 
 
-def reliability_diagram(found: Reliability, told: str) -> Html:
+def reliability_diagram(found: Reliability, label: str) -> Html:
     """An SVG: score to the right, share that held upwards; a disc's area is how many predictions it stands for."""
 
     def x(value: float) -> float:
@@ -59,4 +59,4 @@ def reliability_diagram(found: Reliability, told: str) -> Html:
         parts.append(f'<text x="{x(value):g}" y="{_SIDE - 10:g}" text-anchor="middle">{value}</text>')
         parts.append(f'<text x="{low - 6:g}" y="{y(value) + 4:g}" text-anchor="end">{value}</text>')
     parts.append(f'<text x="{_SIDE / 2:g}" y="{_SIDE - 10:g}" text-anchor="middle">score</text>')
-    return element("svg", Html("".join(parts)), viewBox=f"0 0 {_SIDE:g} {_SIDE:g}", role="img", aria_label=told)
+    return element("svg", Html("".join(parts)), viewBox=f"0 0 {_SIDE:g} {_SIDE:g}", role="img", aria_label=label)

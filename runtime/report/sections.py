@@ -74,9 +74,9 @@ def modes_note(episodes: Sequence[Episode]) -> Html:
     used = {a.application.mode for e in episodes for a in e.attempts if a.application is not None}
     sources = {o.source for e in episodes for o in (e.initial, *(a.observation for a in e.attempts))}
     seen = {"sim": "privileged simulator state", "pred": "predictions"}
-    told = [_MODES[mode] for mode in sorted(used)] or ["none, as nothing was applied"]
+    modes = [_MODES[mode] for mode in sorted(used)] or ["none, as nothing was applied"]
     sees = " and ".join(seen[source] for source in sorted(sources)) or "nothing"
-    sentence = f"Mode of application: {', '.join(told)}. Facts were grounded from {sees}."
+    sentence = f"Mode of application: {', '.join(modes)}. Facts were grounded from {sees}."
     return element("p", prose(sentence), class_="quiet")
 
 
@@ -169,8 +169,8 @@ def _figure(diagnosis: Diagnosis, episode: Episode, schema: Schema) -> Html:
     before, after = diagnosis.margin, margin_after(episode, diagnosis.index)
     met = bool(satisfied(episode.required.facts, episode.final)[diagnosis.index])
     bar = margin_bar(before, after, fact.threshold, unit, polarity=fact.polarity, met=met)
-    told = f"{amount(before, unit)} before, {amount(after, unit)} after"
-    caption = element("figcaption", code(atom(fact, schema)), element("span", told))
+    margins = f"{amount(before, unit)} before, {amount(after, unit)} after"
+    caption = element("figcaption", code(atom(fact, schema)), element("span", margins))
     return element("figure", caption, bar)
 
 

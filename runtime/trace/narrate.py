@@ -125,8 +125,8 @@ def chain(attempt: Attempt, schema: Schema, reasons: Reasons | None = None) -> I
     if decision is not None:
         yield _routed(decision, schema, several=len(attempt.diagnoses) > 1)
         if reasons is not None:
-            told = (*reasons.of_selection(attempt), *reasons.of_route(decision))
-            yield from (f"  {sentence}" for sentence in told)
+            sentences = (*reasons.of_selection(attempt), *reasons.of_route(decision))
+            yield from (f"  {sentence}" for sentence in sentences)
         for diagnosis in attempt.diagnoses:
             if diagnosis.precondition and diagnosis.key != decision.diagnosis.key:
                 yield f"Before it, {atom(diagnosis.fact, schema)} should hold, and nothing has brought that about."
@@ -195,17 +195,17 @@ def _predicted_of(plan: ExecutedPlan, schema: Schema) -> str:
 def _came_true(plan: ExecutedPlan, index: int, unit: str) -> str:
     """A fact as predicted and as simulated, and whether the prediction was wrong."""
     came = "holds" if plan.simulated.truth[index] else "does not hold"
-    told = f"{came} in the simulator ({amount(float(plan.simulated.margin[index]), unit)})"
+    simulated = f"{came} in the simulator ({amount(float(plan.simulated.margin[index]), unit)})"
     if plan.predicted is None:
-        return told
+        return simulated
     if not plan.predicted.observed[index]:
-        return f"not predicted, without evidence of it; {told}"
+        return f"not predicted, without evidence of it; {simulated}"
     pair = bool(plan.predicted.truth[index]), bool(plan.simulated.truth[index])
     mistake = {(True, False): ", falsely satisfied", (False, True): ", falsely missing"}.get(pair, "")
     score = float(plan.predicted.score[index])
     sure = "" if isnan(score) else f", score {score:.2f}"
     margin = amount(float(plan.predicted.margin[index]), unit)
-    return f"predicted {'' if pair[0] else 'not '}to hold ({margin}{sure}), {told}{mistake}"
+    return f"predicted {'' if pair[0] else 'not '}to hold ({margin}{sure}), {simulated}{mistake}"
 
 
 def _applied(application: Application) -> str:

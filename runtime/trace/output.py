@@ -135,7 +135,7 @@ def show(trace: Trace, wanted: str, shape: str, ontology: Sequence[str]) -> int:
     if shape == "json":
         print_json(episode_summary(episode, schema))
         return CLEAN
-    _tell(narrate(episode, schema))
+    _print_wrapped(narrate(episode, schema))
     return CLEAN
 
 
@@ -146,12 +146,12 @@ def explain(trace: Trace, wanted: str, shape: str, ontology: Sequence[str]) -> i
     reasons = load_reasons(schema, ontology)
     if shape == "json":
         summary = episode_summary(episode, schema)
-        told = [
+        history = [
             {**one, **reasons.of_attempt(turn)} for one, turn in zip(summary["history"], episode.attempts, strict=True)
         ]
-        print_json({**summary, "history": told})
+        print_json({**summary, "history": history})
     else:
-        _tell(narrate(episode, schema, reasons))
+        _print_wrapped(narrate(episode, schema, reasons))
     return CLEAN
 
 
@@ -169,7 +169,7 @@ def export(trace: Trace, shape: str, output: str | None) -> int:
     return CLEAN
 
 
-def _tell(lines: Iterable[str]) -> None:
+def _print_wrapped(lines: Iterable[str]) -> None:
     """Print lines, each wrapped to the terminal at its own indentation."""
     width = min(shutil.get_terminal_size((_WIDTH, 24)).columns, 110)
     for line in lines:

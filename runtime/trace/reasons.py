@@ -44,9 +44,9 @@ class Reasons:
                 self.maps[path] = read_map(path)
             written = self.maps[path]
             place = written.find(node(iri), node(RDF + "type"))[0]
-            said = [each.object for each in written.find(node(iri), node(SKOS + "definition"))]
+            definitions = [each.object for each in written.find(node(iri), node(SKOS + "definition"))]
             file, line = _shown(path), written.span(place.at_subject).line
-            definition = next((term.value for term in said if isinstance(term, Literal)), None)
+            definition = next((term.value for term in definitions if isinstance(term, Literal)), None)
         return {
             "iri": iri,
             "label": self.schema.labels.get(iri, local_name(iri)),

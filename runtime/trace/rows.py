@@ -45,7 +45,7 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True)
-class _Told:
+class _InEpisode:
     """A diagnosis within its episode."""
 
     diagnosis: Diagnosis
@@ -93,14 +93,14 @@ FIRST_DIAGNOSIS = Row(
         **fact_columns(fact_of),
         **printed(DIAGNOSIS, "truth", "margin", via=diagnosis_of),
         "margin_after": Column(
-            "number", lambda told, _: _number(margin_after(told.episode, told.diagnosis.index)), null=True
+            "number", lambda part, _: _number(margin_after(part.episode, part.diagnosis.index)), null=True
         ),
         **unit_column(fact_of),
         **printed(DIAGNOSIS, "failure", via=diagnosis_of),
         "route": Column(
-            "word:route", lambda told, schema: next(iter(told.routes(schema)), None), CORE + "route", null=True
+            "word:route", lambda part, schema: next(iter(part.routes(schema)), None), CORE + "route", null=True
         ),
-        "routes": Column("words:route", lambda told, schema: told.routes(schema)),
+        "routes": Column("words:route", lambda part, schema: part.routes(schema)),
         **printed(DIAGNOSIS, "source", via=diagnosis_of),
     },
     ("arity",),
@@ -215,23 +215,23 @@ class _PlanOf:
 PLAN_ROW = Row(
     "A plan that was executed; `retained` is whether every required fact was predicted, which is no success.",
     {
-        **printed(EXECUTED_PLAN, via=lambda told: told.plan),
+        **printed(EXECUTED_PLAN, via=lambda part: part.plan),
         "retained": Column(
-            "boolean", lambda told, _: None if told.plan.predicted is None else not told.plan.diagnoses, null=True
+            "boolean", lambda part, _: None if part.plan.predicted is None else not part.plan.diagnoses, null=True
         ),
         "failures": Column(
-            "words:failure", lambda told, schema: [short_name(each.failure, schema) for each in told.plan.diagnoses]
+            "words:failure", lambda part, schema: [short_name(each.failure, schema) for each in part.plan.diagnoses]
         ),
         "facts": Column(
             "list:PlannedFact",
-            lambda told, schema: [
-                PLANNED_FACT.of(_Planned(fact, told.plan, index), schema)
-                for index, fact in enumerate(told.episode.required.facts)
+            lambda part, schema: [
+                PLANNED_FACT.of(_Planned(fact, part.plan, index), schema)
+                for index, fact in enumerate(part.episode.required.facts)
             ],
         ),
         "verification": Column(
             "record:Verification",
-            lambda told, schema: VERIFIED.of(told.plan.verification, schema),
+            lambda part, schema: VERIFIED.of(part.plan.verification, schema),
             TRACE + "verification",
         ),
     },
@@ -261,7 +261,9 @@ EPISODE_ROW = Row(
         "required": Column("strings", lambda episode, schema: [atom(fact, schema) for fact in episode.required.facts]),
         "diagnoses": Column(
             "list:Diagnosis",
-            lambda episode, schema: [FIRST_DIAGNOSIS.of(_Told(d, episode), schema) for d in first_diagnoses(episode)],
+            lambda episode, schema: [
+                FIRST_DIAGNOSIS.of(_InEpisode(d, episode), schema) for d in first_diagnoses(episode)
+            ],
             PROV + "wasGeneratedBy",
             reverse=True,
         ),
@@ -299,7 +301,7 @@ def _plain(value: Any) -> Any:  # noqa: ANN401 - an object for a record
     return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
 
 
-def _told(name: str) -> Callable[[Any, Schema], Any]:
+def _field(name: str) -> Callable[[Any, Schema], Any]:
     """A field of a result of :mod:`runtime.commands.tasks`; records as objects."""
 
     def value(task: Any, schema: Schema) -> Any:  # noqa: ANN401 - of any field
@@ -332,24 +334,24 @@ UNCERTAIN = Row(
 GROUNDING = Row(
     "What `onto ground --json` prints.",
     {
-        "world": Column("string", _told("world")),
-        "suite": Column("string", _told("suite"), TRACE + "suite"),
-        "task": Column("string", _told("task"), TRACE + "task"),
-        "state": Column("integer", _told("state"), TRACE + "stateIndex"),
-        "facts": Column("list:ObservedFact", _told("facts"), TRACE + "memberFact"),
-        "premise": Column("list:ObservedFact", _told("premise"), TRACE + "declares"),
-        "native_success": Column("boolean", _told("native_success"), TRACE + "outcomeTruth", null=True),
-        **_start(_told),
+        "world": Column("string", _field("world")),
+        "suite": Column("string", _field("suite"), TRACE + "suite"),
+        "task": Column("string", _field("task"), TRACE + "task"),
+        "state": Column("integer", _field("state"), TRACE + "stateIndex"),
+        "facts": Column("list:ObservedFact", _field("facts"), TRACE + "memberFact"),
+        "premise": Column("list:ObservedFact", _field("premise"), TRACE + "declares"),
+        "native_success": Column("boolean", _field("native_success"), TRACE + "outcomeTruth", null=True),
+        **_start(_field),
     },
 )
 DIAGNOSES = Row(
     "What `onto diagnose --json` prints.",
     {
-        "task": Column("string", _told("task"), TRACE + "task"),
-        "state": Column("integer", _told("state"), TRACE + "stateIndex"),
-        "diagnoses": Column("list:UnmetFact", _told("diagnoses"), PROV + "wasGeneratedBy", reverse=True),
-        "alternatives": Column("rows:string", _told("alternatives"), optional=True),
-        **_start(_told),
+        "task": Column("string", _field("task"), TRACE + "task"),
+        "state": Column("integer", _field("state"), TRACE + "stateIndex"),
+        "diagnoses": Column("list:UnmetFact", _field("diagnoses"), PROV + "wasGeneratedBy", reverse=True),
+        "alternatives": Column("rows:string", _field("alternatives"), optional=True),
+        **_start(_field),
     },
 )
 DEMONSTRATION = Row(

@@ -76,9 +76,9 @@ def _state(
 ) -> dict[str, torch.Tensor]:
     found: dict[str, torch.Tensor] = {"step": torch.tensor(step)}
     for name, weight in trained.items():
-        moments = optimiser.state[weight]
+        adam = optimiser.state[weight]
         found[f"weight.{name}"] = weight.detach()
-        found |= {f"{moment}.{name}": moments[moment] for moment in ("exp_avg", "exp_avg_sq")}
+        found |= {f"{moment}.{name}": adam[moment] for moment in ("exp_avg", "exp_avg_sq")}
     return found
 
 

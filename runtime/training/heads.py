@@ -73,7 +73,7 @@ class RolloutSampler:
         self.dynamics, self.frames, self.labels, self.sensed = dynamics, frames, labels, sensed
         size = frames.states.shape[-1]
         self._marks = frames.marks.reshape(-1, size)
-        self._looks = np.asarray(frames.features).reshape(-1, frames.features.shape[-1])
+        self._features = np.asarray(frames.features).reshape(-1, frames.features.shape[-1])
 
     @torch.no_grad()  # type: ignore[untyped-decorator]
     def ends(self, random: np.random.Generator, count: int = _SEGMENTS, *, blind: bool | None = None) -> RolloutEnds:
@@ -138,7 +138,7 @@ class RolloutSampler:
         fresh = np.flatnonzero(random.random(count) < 0.5)
         width = random.choice(_VELOCITIES, size=(len(fresh), 1))
         goal[fresh, 2:] = ends[fresh, 2:] + width * random.standard_normal((len(fresh), goal.shape[1] - 2))
-        return goal, self._looks[row]
+        return goal, self._features[row]
 
 
 def fact_loss(head: FactHead, sampler: RolloutSampler) -> Callable[[torch.Generator], torch.Tensor]:

@@ -24,6 +24,6 @@ def calibration_error(scores: NDArray[np.floating], truth: NDArray[np.bool_], bi
     """The expected calibration error of probabilities ``scores`` (N,), over ``bins`` of equal width."""
     place = np.minimum((scores * bins).astype(np.int64), bins - 1)
     weight = np.bincount(place, minlength=bins)
-    said = np.bincount(place, weights=scores, minlength=bins)
-    held = np.bincount(place, weights=truth.astype(np.float64), minlength=bins)
-    return float(np.abs(said - held).sum() / max(weight.sum(), 1))
+    predicted = np.bincount(place, weights=scores, minlength=bins)
+    observed = np.bincount(place, weights=truth.astype(np.float64), minlength=bins)
+    return float(np.abs(predicted - observed).sum() / max(weight.sum(), 1))

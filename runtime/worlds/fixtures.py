@@ -63,8 +63,8 @@ def poses_in(mjcf: str, model: mujoco.MjModel, file: str = "") -> FixturePoses:
         if found < 0:
             raise OntoError.of("SIM023", f"the model file is of another scene: it has no body `{name}`", _HINT, file)
         if model.body_jntnum[body] == 0:
-            pos[body] = _kept(pos[body], other.body_pos[found])
-            quat[body] = _kept(quat[body], other.body_quat[found])
+            pos[body] = _exact(pos[body], other.body_pos[found])
+            quat[body] = _exact(quat[body], other.body_quat[found])
     return FixturePoses(pos, quat)
 
 
@@ -93,8 +93,8 @@ def _freedom(region: Region) -> Freedom:
     return Freedom(float(np.linalg.norm(np.ptp(corners, axis=0))), min(abs(high - low), math.pi))
 
 
-def _kept(known: NDArray[np.float64], said: NDArray[np.float64]) -> NDArray[np.float64]:
-    return known if np.allclose(known, said, rtol=_PRINTED, atol=1e-9) else said
+def _exact(known: NDArray[np.float64], parsed: NDArray[np.float64]) -> NDArray[np.float64]:
+    return known if np.allclose(known, parsed, rtol=_PRINTED, atol=1e-9) else parsed
 
 
 def _skeleton(mjcf: str, file: str) -> mujoco.MjModel:

@@ -60,7 +60,7 @@ def test_the_ends_that_the_page_names_are_those_that_skills_give():
         for path in sorted((ROOT / "runtime/worlds/libero/skills").glob("*.py"))
         for kind in re.findall(r'SkillFault\(\s*"(\w+)"', path.read_text())
     }
-    (sentence,) = re.findall(r"(?s)and its end: (.*?)\n\n", PAGE)
+    (sentence,) = re.findall(r"(?s)and its outcome: (.*?)\n\n", PAGE)
     assert set(re.findall(r"`(\w+)`", sentence)) == raised | {"held", "unmet", play._OVER}
 
 
@@ -68,4 +68,4 @@ def test_look_ahead_tries_as_many_candidates_as_the_page_says():
     from runtime.worlds.libero.skills.play import Player
 
     assert inspect.signature(Player.lookahead).parameters["candidates"].default == 6
-    assert "(six, where nothing else is said)" in PAGE.replace("\n", " ")
+    assert "(by default six)" in PAGE.replace("\n", " ")

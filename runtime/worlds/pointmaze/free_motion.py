@@ -17,7 +17,7 @@ from runtime.worlds.pointmaze.maze import FRAME_SKIP, RADIUS, Maze
 
 __all__ = ["FreeMotion"]
 
-_WARY = 0.01
+_NEAR = 0.01
 """Within this of a wall, metres, MuJoCo decides: its contacts begin at a margin of 0.002."""
 
 
@@ -42,13 +42,13 @@ class FreeMotion:
         These came near a wall on the way, and their rows of ``following`` mean nothing. Velocities and actions are
         clipped already.
         """
-        wary = np.zeros(len(states), dtype=np.bool_)
-        _coast(states, actions, self._walls, *self._numbers, following, wary)
-        return np.flatnonzero(wary)
+        near_wall = np.zeros(len(states), dtype=np.bool_)
+        _free_steps(states, actions, self._walls, *self._numbers, following, near_wall)
+        return np.flatnonzero(near_wall)
 
 
 @compiled
-def _coast(
+def _free_steps(
     states: NDArray[np.float64],
     actions: NDArray[np.float64],
     walls: NDArray[np.float64],
@@ -57,9 +57,9 @@ def _coast(
     gear: float,
     inverse: float,
     following: NDArray[np.float64],
-    wary: NDArray[np.bool_],
+    near_wall: NDArray[np.bool_],
 ) -> None:
-    near = (RADIUS + _WARY) ** 2
+    near = (RADIUS + _NEAR) ** 2
     for row in range(states.shape[0]):
         x, y, vx, vy = states[row]
         for _ in range(FRAME_SKIP):
@@ -67,9 +67,9 @@ def _coast(
                 dx = max(walls[wall, 0] - x, x - walls[wall, 2], 0.0)
                 dy = max(walls[wall, 1] - y, y - walls[wall, 3], 0.0)
                 if dx * dx + dy * dy < near:
-                    wary[row] = True
+                    near_wall[row] = True
                     break
-            if wary[row]:
+            if near_wall[row]:
                 break
             vx = vx + step * ((-damping * vx + gear * actions[row, 0]) * inverse)
             vy = vy + step * ((-damping * vy + gear * actions[row, 1]) * inverse)

@@ -15,7 +15,7 @@ from grounding.world_model import encoder as registry
 from grounding.world_model.device import device_named
 from grounding.world_model.encoder import checked_features, encoder, registered, require_encoder
 from grounding.world_model.lite0 import Lite0, lite0
-from grounding.world_model.weights import kept_weights, read_weights
+from grounding.world_model.weights import cached_weights, read_weights
 from onto_compiler.problems import OntoError
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -186,7 +186,7 @@ def test_a_copy_is_that_of_the_file_and_not_of_its_name(tmp_path):
     path = tmp_path / "weights.pth"
     for value in (1.0, 2.0):
         torch.save({"a": torch.full((2,), value)}, path)
-        assert float(kept_weights(path, tmp_path)["a"][0]) == value
+        assert float(cached_weights(path, tmp_path)["a"][0]) == value
     assert len(list((tmp_path / "weights").iterdir())) == 2
 
 
@@ -194,7 +194,7 @@ def test_weights_are_used_though_no_copy_can_be_kept(tmp_path, caplog):
     path = tmp_path / "weights.pth"
     torch.save({"a": torch.ones(2)}, path)
     (tmp_path / "taken").write_text("")
-    assert torch.equal(kept_weights(path, tmp_path / "taken")["a"], torch.ones(2))
+    assert torch.equal(cached_weights(path, tmp_path / "taken")["a"], torch.ones(2))
     assert "the weights cannot be kept in" in caplog.text
 
 

@@ -196,21 +196,21 @@ def test_a_document_is_laid_out_as_onto_fmt_does(client, domain, task):
         loose = wanted.replace("\n    ", "\n  ", 3).rstrip("\n")
         client.open(path, loose, language)
         asked = {"textDocument": {"uri": path.as_uri()}, "options": options}
-        (edit,) = client.ask("textDocument/formatting", asked)
+        (edit,) = client.request("textDocument/formatting", asked)
         assert edit["newText"] == wanted
         lines = loose.split("\n")
         assert edit["range"]["start"] == {"line": 0, "character": 0}
         assert edit["range"]["end"] == {"line": len(lines) - 1, "character": len(lines[-1])}
         client.replace(path, (0, 0), (len(lines) - 1, len(lines[-1])), wanted)
-        assert not client.ask("textDocument/formatting", asked)
+        assert not client.request("textDocument/formatting", asked)
         client.type(path, 0, 0, "}")
-        assert not client.ask("textDocument/formatting", asked), "what is broken stays as it is"
+        assert not client.request("textDocument/formatting", asked), "what is broken stays as it is"
 
 
 def test_a_closed_document_has_no_problems(client, domain):
     client.open(domain, domain.read_text() + "}", "turtle")
-    client.tell("textDocument/didClose", {"textDocument": {"uri": domain.as_uri()}})
-    client.ask(
+    client.notify("textDocument/didClose", {"textDocument": {"uri": domain.as_uri()}})
+    client.request(
         "textDocument/hover", {"textDocument": {"uri": SERVED.as_uri()}, "position": {"line": 0, "character": 0}}
     )
     last = [m for m in client.log if m.get("params", {}).get("uri") == domain.as_uri()][-1]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from onto_compiler.problems import OntoError
-from runtime.report.filmstrip import Shot, moments, write_film
+from runtime.report.filmstrip import Shot, shots, write_film
 from tests.runtime.trace.samples import SCHEMA, accepted
 
 PIL = pytest.importorskip("PIL.Image")
@@ -22,7 +22,7 @@ def actions(*grippers):
 
 def test_an_attempt_is_shown_before_at_grasp_and_release_and_after():
     given = actions(*[-1] * 10, *[1] * 30, *[-1] * 5)
-    assert moments(given, (0, 45)) == (
+    assert shots(given, (0, 45)) == (
         Shot(0, "before", 0),
         Shot(0, "grasp", 20),
         Shot(0, "release", 40),
@@ -32,7 +32,7 @@ def test_an_attempt_is_shown_before_at_grasp_and_release_and_after():
 
 def test_each_attempt_has_its_own_moments_and_a_push_is_shown_on_the_way():
     given = actions(*[-1] * 20, *[1] * 4)
-    shown = moments(given, (0, 10, 24))
+    shown = shots(given, (0, 10, 24))
     assert [moment.name for moment in shown if moment.attempt == 0] == ["before", "on the way", "after"]
     assert [(m.name, m.step) for m in shown if m.attempt == 1] == [
         ("before", 10),
@@ -73,7 +73,7 @@ def test_a_picture_has_a_row_for_each_attempt(tmp_path, suffix):
 
 @pytest.mark.parametrize("name", ["film.png", "film.html"])
 def test_an_episode_without_attempts_is_shown_where_it_starts(tmp_path, name):
-    shown = moments(actions(), (0,))
+    shown = shots(actions(), (0,))
     assert shown == (Shot(0, "start", 0),)
     write_film(tmp_path / name, replace(accepted(), attempts=()), SCHEMA, shown, picture)
     content = (tmp_path / name).read_bytes()

@@ -42,7 +42,7 @@ class SceneReader:
         self._owners = _owners(scene)
         self._entities = frozenset(scene.entities)
 
-    def moment(self, data: mujoco.MjData) -> SceneState:
+    def read(self, data: mujoco.MjData) -> SceneState:
         """Copy the values from ``data``, a forwarded state of the scene."""
         poses = {n: (data.xpos[b].copy(), data.xmat[b].reshape((3, 3)).copy()) for n, b in self._objects.items()}
         hinges = {name: float(data.qpos[address]) for name, address in self._hinges.items()}

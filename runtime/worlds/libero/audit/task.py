@@ -79,7 +79,7 @@ class TaskAuditor:
         simulation = self.simulation
         try:
             simulation.reset_to(self.states[state])
-            before = self.observer.moment(simulation.data)
+            before = self.observer.read(simulation.data)
             simulation.settle(PREMISE_STEPS)
         except RunFault as fault:
             return StateAudit(state, faults=(Fault("SIM019", f"{fault} while it settled"),))
@@ -87,14 +87,14 @@ class TaskAuditor:
             return StateAudit(state, faults=_faults(error))
         stage = StateEvidence(
             before=before,
-            after=self.observer.moment(simulation.data),
+            after=self.observer.read(simulation.data),
             required=self.required,
             premise=self.premise.observe(simulation.data),
             goal=self.goal.observe(simulation.data),
             schema=self.knowledge.schema,
         )
         readings = {name: tuple(MEASURES[name](stage)) for name in sorted({kind.measure for kind in self.kinds})}
-        return StateAudit(state, self._judge(stage, readings), _kept(readings))
+        return StateAudit(state, self._judge(stage, readings), _rounded(readings))
 
     def _judge(self, stage: StateEvidence, readings: Mapping[str, Sequence[Reading]]) -> tuple[Failure, ...]:
         schema = self.knowledge.schema
@@ -162,7 +162,7 @@ def plain(message: str) -> str:
     return clipped(_INSTALLED.sub("", " ".join(message.split())), LONGEST)
 
 
-def _kept(readings: Mapping[str, Sequence[Reading]]) -> dict[str, dict[str, float | None]]:
+def _rounded(readings: Mapping[str, Sequence[Reading]]) -> dict[str, dict[str, float | None]]:
     """The readings as they are recorded: rounded, and without sizes of zero."""
     return {
         measure: {one.subject: number for one in some if (number := _number(one.value)) != 0 or one.holds is not None}

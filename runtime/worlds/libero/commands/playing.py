@@ -20,7 +20,7 @@ from onto_compiler.schema import Schema
 from onto_compiler.wording import counted
 from runtime.commands.opening import start_of
 from runtime.commands.options import chosen_state, settled_words
-from runtime.report.filmstrip import moments, write_film
+from runtime.report.filmstrip import shots, write_film
 from runtime.trace.names import file_name
 from runtime.trace.narrate import narrate
 from runtime.trace.store import TraceStore
@@ -110,7 +110,7 @@ def _film(path: Path, stage: EpisodePlayer, performance: EpisodeRecord) -> None:
     """Draw the filmstrip from the poses of the native run."""
     model = compile_scene(stage.ref.bddl, stage.scene.seed, pictures=True).model
     data = mujoco.MjData(model)
-    shown = moments(performance.actions, performance.bounds)
+    shown = shots(performance.actions, performance.bounds)
     with Camera(model) as camera:
 
         def shoot(step: int) -> bytes:

@@ -115,9 +115,12 @@ class TaskStore:
             return
         theirs = spec if isinstance(spec, dict) else {}
         other = sorted(name for name in {*theirs, *self._spec} if theirs.get(name) != self._spec.get(name))
-        told = ", ".join(f"{name} {theirs.get(name)!r} and not {self._spec.get(name)!r}" for name in other)
+        other_options = ", ".join(f"{name} {theirs.get(name)!r} and not {self._spec.get(name)!r}" for name in other)
         raise OntoError.of(
-            "DEM003", f"the demonstrations there were made with {told}", "choose another --out, or remove it", str(path)
+            "DEM003",
+            f"the demonstrations there were made with {other_options}",
+            "choose another --out, or remove it",
+            str(path),
         )
 
 

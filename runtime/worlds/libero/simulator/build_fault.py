@@ -69,14 +69,14 @@ def _no_room(error: Exception, spec: TaskSpec) -> tuple[Span, str, str] | None:
     if not isinstance(error, randomization_error()):
         return None
     local = _sampler(error)
-    thing = getattr(local.get("obj"), "name", None)
-    placing = next((atom for atom in spec.init if len(atom.arguments) > 1 and atom.arguments[0].name == thing), None)
+    subject = getattr(local.get("obj"), "name", None)
+    placing = next((atom for atom in spec.init if len(atom.arguments) > 1 and atom.arguments[0].name == subject), None)
     if placing is None:
         return None
     where = placing.arguments[1].name
     others = _in_the_way(placing, spec, local)
     many = f"{_count(1 + len(others))} objects have" if others else "one object has"
-    names = " and ".join(f"`{name}`" for name in (thing, *others))
+    names = " and ".join(f"`{name}`" for name in (subject, *others))
     hint = "make the region larger, or put one of them elsewhere: LIBERO keeps the circles around objects apart"
     return placing.span, f"{many} no room in region `{where}`: {names}", hint
 
@@ -95,10 +95,10 @@ def _sampler(error: Exception) -> dict[str, Any]:
 
 def _in_the_way(placing: Atom, spec: TaskSpec, local: dict[str, Any]) -> list[str]:
     """What is placed already and reaches into the region: objects of the same region first, then its neighbours."""
-    thing, where = (argument.name for argument in placing.arguments[:2])
+    subject, where = (argument.name for argument in placing.arguments[:2])
     placed = local.get("placed_objects", {})
     same = [a.arguments[0].name for a in spec.init if len(a.arguments) > 1 and a.arguments[1].name == where]
-    inside = [name for name in same if name != thing and name in placed]
+    inside = [name for name in same if name != subject and name in placed]
     region = next((region for region in spec.regions if region.site == where and region.ranges), None)
     if inside or region is None:
         return inside

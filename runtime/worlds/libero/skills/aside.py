@@ -44,13 +44,13 @@ def free_spots(
     cloud = (world.cloud(entity) - body.position) @ body.rotation @ upright.T
     under, corner = underside(cloud)
     radius = float(np.linalg.norm(cloud[:, :2], axis=1).max())
-    ground, things = _ground(world, body.position), world.points(_things(world, entity))
+    ground, obstacles = _ground(world, body.position), world.points(_obstacles(world, entity))
     relief = relief_of(ground, body.position, AROUND)
     found = []
     for away, angle in product(AWAY, TURNS):
         over = body.position[:2] + away * np.array([np.cos(angle), np.sin(angle)])
         height = relief.drop(under, over + corner)
-        if np.isfinite(height) and _bears(ground, over, radius) and _is_free(things, over, radius + GAP):
+        if np.isfinite(height) and _bears(ground, over, radius) and _is_free(obstacles, over, radius + GAP):
             found.append(PlacingSpot(Pose(np.array([*over, height]), upright), float(away)))
     top = max((spot.pose.position[2] for spot in found), default=0.0)
     found = [spot for spot in found if spot.pose.position[2] > top - EVEN and holds(spot.pose)]
@@ -58,7 +58,7 @@ def free_spots(
     return clear or found
 
 
-def _things(world: SkillWorld, entity: str) -> list[int]:
+def _obstacles(world: SkillWorld, entity: str) -> list[int]:
     """The bodies of all objects and fixtures but ``entity``."""
     return [int(body) for name in world.index.entities if name != entity for body in world.index.bodies(name)]
 
@@ -88,8 +88,8 @@ def _bears(ground: Array, over: Array, radius: float) -> bool:
     return bool((gaps < BORNE).all())
 
 
-def _is_free(things: Array, over: Array, radius: float) -> bool:
-    return bool((np.linalg.norm(things[:, :2] - over, axis=1) > radius).all())
+def _is_free(obstacles: Array, over: Array, radius: float) -> bool:
+    return bool((np.linalg.norm(obstacles[:, :2] - over, axis=1) > radius).all())
 
 
 def _apart(spot: PlacingSpot, way: Way) -> float:

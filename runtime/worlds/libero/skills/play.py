@@ -306,7 +306,7 @@ class Player:
         name = fact.native.arguments[0]
         joint = self.scene.index.free_joint(name) if name in self.scene.index.entities else None
         alone = SimGrounder(self.scene.index, [fact], self.knowledge.schema)
-        kept = () if fact.polarity else self._kept(world, fact)
+        preserved = () if fact.polarity else self._preserved(world, fact)
 
         def holds(pose: Pose) -> bool:
             if joint is None:
@@ -321,15 +321,15 @@ class Player:
                 return False
             if fact.threshold and not self._satisfied(alone, data)[0]:
                 return False
-            return all((held <= self._satisfied(grounder, data)).all() for grounder, held in kept)
+            return all((held <= self._satisfied(grounder, data)).all() for grounder, held in preserved)
 
         return holds
 
-    def _kept(self, world: SkillWorld, fact: Fact) -> tuple[tuple[SimGrounder, NDArray[np.bool_]], ...]:
+    def _preserved(self, world: SkillWorld, fact: Fact) -> tuple[tuple[SimGrounder, NDArray[np.bool_]], ...]:
         """The facts of the goal and its preconditions that hold and are not excluded by ``fact``."""
         schema = self.knowledge.schema
-        kept = []
+        preserved = []
         for grounder in (self.grounder, self.conditions):
             ended = [exclude(fact, each, schema) or entails(each, fact, schema) for each in grounder.facts]
-            kept.append((grounder, self._satisfied(grounder, world.data) & ~np.array(ended, dtype=np.bool_)))
-        return tuple(kept)
+            preserved.append((grounder, self._satisfied(grounder, world.data) & ~np.array(ended, dtype=np.bool_)))
+        return tuple(preserved)

@@ -44,12 +44,12 @@ class Again(Generic[T]):
 
     def __init__(self, source: Iterator[T]) -> None:
         self._source = source
-        self._kept: list[T] = []
+        self._cached: list[T] = []
 
     def __iter__(self) -> Iterator[T]:
-        yield from self._kept
+        yield from self._cached
         for item in self._source:
-            self._kept.append(item)
+            self._cached.append(item)
             yield item
 
 
@@ -79,7 +79,7 @@ def transfers(
     targets = [
         found
         for turns in _turns(world, place_)
-        if (found := _spread(chain.from_iterable(spots(world, place_, turn, holds, sharing) for turn in turns)))
+        if (found := _sampled(chain.from_iterable(spots(world, place_, turn, holds, sharing) for turn in turns)))
     ]
     enclosed = all(spot.entry[2] < 0.5 for found in targets for spot in found)
     yield from _paired(world, reach, place_, targets, tried, (LYING,) if enclosed else (None, TILTED))
@@ -97,7 +97,7 @@ def leaving(
 
     As :func:`transfers`; ``ways`` are to be kept free.
     """
-    found = _spread(free_spots(world, place_.subject, holds, ways))
+    found = _sampled(free_spots(world, place_.subject, holds, ways))
     aside = PlacementTarget(place_.subject, None, None, contains=False)
     if found:
         yield from _paired(world, reach, aside, [found], tried, (None, TILTED))
@@ -124,7 +124,7 @@ def _paired(
                     yield Transfer(place_, grasp, *best)
 
 
-def _spread(found: Iterable[PlacingSpot]) -> list[PlacingSpot]:
+def _sampled(found: Iterable[PlacingSpot]) -> list[PlacingSpot]:
     """The best spots and some of the others, from above; where there are none, some of every side and depth."""
     ordered = sorted(found, key=cost_of)
     above = [spot for spot in ordered if spot.entry[2] > 0.5]

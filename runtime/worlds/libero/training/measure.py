@@ -18,7 +18,15 @@ from runtime.worlds.libero.training.heads import sensed_all
 from runtime.worlds.libero.training.scene import SceneFacts
 from runtime.worlds.libero.training.windows import Windows
 
-__all__ = ["ENOUGH", "WindowPredictions", "event_metrics", "fact_metrics", "imagining_metrics", "tell", "tell_events"]
+__all__ = [
+    "ENOUGH",
+    "WindowPredictions",
+    "event_metrics",
+    "fact_metrics",
+    "imagining_metrics",
+    "predict_events",
+    "predict_facts",
+]
 
 ENOUGH = 30
 """The number of positives from which a fact's AUROC is reported."""
@@ -35,7 +43,7 @@ class WindowPredictions:
 
 
 @torch.no_grad()  # type: ignore[untyped-decorator]
-def tell(
+def predict_facts(
     dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact], data: Windows
 ) -> tuple[WindowPredictions, WindowPredictions]:
     """Predictions of ``head`` for each window's end, from the predicted and from the true final state."""
@@ -77,7 +85,7 @@ def imagining_metrics(network: Dynamics, data: Windows) -> dict[str, float]:
 
 def fact_metrics(dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact], data: Windows) -> dict[str, float]:
     """AUROC, margin error and calibration of each fact with :data:`ENOUGH` positives, and the worst AUROC of them."""
-    predicted, _ = tell(dynamics, head, facts, data)
+    predicted, _ = predict_facts(dynamics, head, facts, data)
     truth, margin = data.truth[:, -1], data.margin[:, -1]
     found: dict[str, float] = {}
     for place, name in enumerate(head.facts):
@@ -91,7 +99,7 @@ def fact_metrics(dynamics: Dynamics, head: SceneFactHead, facts: Sequence[Fact],
 
 
 @torch.no_grad()  # type: ignore[untyped-decorator]
-def tell_events(
+def predict_events(
     dynamics: Dynamics, head: SceneEventHead, asked: SceneFacts, data: Windows
 ) -> dict[str, NDArray[np.float64]]:
     """Of each window's imagined end, for its own task, means over the members; and, beside each event, what is true.
@@ -128,8 +136,8 @@ def tell_events(
 
 
 def event_metrics(dynamics: Dynamics, head: SceneEventHead, asked: SceneFacts, data: Windows) -> dict[str, float]:
-    """Metrics of :func:`tell_events`."""
-    predicted = tell_events(dynamics, head, asked, data)
+    """Metrics of :func:`predict_events`."""
+    predicted = predict_events(dynamics, head, asked, data)
     there = np.isfinite(predicted["left"])
     return {
         "remaining_mae_s": float(np.abs(predicted["remaining"] - predicted["left"])[there].mean()),

@@ -72,7 +72,7 @@ def load_windows(config: SceneTrainingConfig, place: FilmPlace, split: str, seen
     """
     films = _of_split(config, place, split, log)
     path = place.unfinished / f"features.{split}.npy"
-    return windows(films, _asked(), seen, path, log, place.device)
+    return windows(films, _suite_facts(), seen, path, log, place.device)
 
 
 def _projection(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log) -> Mapping[str, float]:
@@ -128,7 +128,7 @@ def _dynamics(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Lo
 
 def _events(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log) -> Mapping[str, float]:
     sampler, parameters, card, seen = _for_heads(config, place, card, log)
-    asked = _asked()
+    asked = _suite_facts()
     parameters = {"facts": len(asked.names), **parameters}
     head = SceneEventHead(**parameters).to(place.device)
     loss = event_loss(head, sampler, asked.goals)
@@ -146,14 +146,14 @@ def _events(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log)
 
 def _facts(config: SceneTrainingConfig, place: FilmPlace, card: Card, log: Log) -> Mapping[str, float]:
     sampler, parameters, card, seen = _for_heads(config, place, card, log)
-    names = list(_asked().names)
+    names = list(_suite_facts().names)
     units = np.maximum(sampler.data.margin.reshape(-1, len(names)).std(axis=0), 1e-3).round(4).tolist()
     parameters = {"facts": names, "units": units, **parameters}
     head = SceneFactHead(**parameters).to(place.device)
     Fitter(place, card, log).fit("facts", head, fact_loss(head, sampler), Schedule(config.facts, 1e-3, 1e-2))
     held = load_windows(config, place, "held", seen, log)
     calibrate(head, WindowSampler(sampler.dynamics, held).ends(np.arange(len(held))))
-    metrics = fact_metrics(sampler.dynamics, head, _asked().facts, held)
+    metrics = fact_metrics(sampler.dynamics, head, _suite_facts().facts, held)
     about = replace(card, architecture=SCENE_FACTS, parameters=parameters, facts=tuple(names), metrics=metrics)
     save(place.folder / FILES["facts"], head.state_dict(), about)
     return metrics
@@ -170,7 +170,7 @@ def _for_heads(
     return WindowSampler(network, data), parameters, about, seen
 
 
-def _asked() -> SceneFacts:
+def _suite_facts() -> SceneFacts:
     return scene_facts(load_knowledge())
 
 

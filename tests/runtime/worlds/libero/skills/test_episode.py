@@ -202,7 +202,7 @@ def test_what_lies_on_the_object_to_be_moved_is_recorded_with_each_attempt(bowl,
 
 
 def test_an_object_that_no_grasp_reaches_is_an_attempt_without_an_application(bowl, knowledge):
-    from runtime.report.filmstrip import moments
+    from runtime.report.filmstrip import shots
     from runtime.trace.narrate import narrate
     from runtime.trace.summary import episode_summary
 
@@ -218,7 +218,7 @@ def test_an_object_that_no_grasp_reaches_is_an_attempt_without_an_application(bo
     assert (knowledge.schema.notations[diagnosis.failure], diagnosis.margin < -1.0) == ("relation_missing", True)
     assert local_name(attempt.selected.route) == "pick_and_place"
     assert performance.bounds == (0, 0)
-    assert [(each.name, each.step) for each in moments(performance.actions, performance.bounds)] == [("as it stood", 0)]
+    assert [(each.name, each.step) for each in shots(performance.actions, performance.bounds)] == [("as it stood", 0)]
     assert "  Application: none, as `pick_and_place` had no candidate." in narrate(
         performance.episode, knowledge.schema
     )

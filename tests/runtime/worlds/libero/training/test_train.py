@@ -16,7 +16,7 @@ from runtime.worlds.libero.training import heads
 from runtime.worlds.libero.training import train as training
 from runtime.worlds.libero.training.config import SceneTrainingConfig
 from runtime.worlds.libero.training.heads import WindowSampler, calibrate
-from runtime.worlds.libero.training.measure import tell
+from runtime.worlds.libero.training.measure import predict_facts
 from runtime.worlds.libero.training.scene import SceneFacts
 from runtime.worlds.libero.training.train import FilmPlace, load_windows, train
 from tests.gpu import DEVICE, Gpu
@@ -66,7 +66,7 @@ def test_the_model_tells_where_the_thing_will_be_on_films_that_were_held_out(tra
     place, _ = trained
     model = load_scene_model(place.folder)
     data = load_windows(COURSE, place, "held", model.encoder, quiet)
-    told, seen = tell(model.dynamics, model.facts, FACTS, data)
+    told, seen = predict_facts(model.dynamics, model.facts, FACTS, data)
     truth = data.truth[:, -1, 0]
     assert 0 < truth.sum() < len(truth)
     for each in (told, seen):
@@ -161,8 +161,8 @@ def test_a_task_with_another_fact_is_refused_before_anything_is_imagined(trained
     data = load_windows(COURSE, place, "held", model.encoder, quiet)
     strange = replace(FACTS[0], predicate="x#opened")
     with pytest.raises(OntoError) as caught:
-        tell(model.dynamics, model.facts, (FACTS[0], strange), data)
+        predict_facts(model.dynamics, model.facts, (FACTS[0], strange), data)
     assert [problem.code for problem in caught.value.problems] == ["WM013"]
     negated = replace(FACTS[1], polarity=False)
-    told, _ = tell(model.dynamics, model.facts, (negated,), data)
+    told, _ = predict_facts(model.dynamics, model.facts, (negated,), data)
     assert told.score.shape == (len(data), 1)

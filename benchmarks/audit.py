@@ -1,4 +1,4 @@
-"""Is each scene what its task says? Every official initial state of LIBERO's 130 tasks, set, settled and measured.
+"""Whether each scene matches its task: every official initial state of LIBERO's 130 tasks, set, settled and measured.
 
 Nothing is judged against a baseline: what counts as a failure is declared in ``ontology/audit.ttl``.
 """

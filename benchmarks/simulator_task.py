@@ -100,7 +100,7 @@ def measure_task(suite: str, task: int, many: int, rounds: int, resets: int) -> 
         timing = _rates(native, compiled, exact, states[STATE], random, rounds)
         timing["setup_ms"] = 1e3 * float(np.median([_wall(partial(compiled.reset_to, s)) for s in states]))
         timing |= goal.microseconds(native, visited)
-        # Last, since LIBERO's reset places the fixtures anew.
+        # Last, since LIBERO's reset places the fixtures again.
         timing["native_setup_ms"] = 1e3 * float(
             np.median([_wall(partial(native.reset_as_evaluations_do, states[STATE])) for _ in range(resets)])
         )

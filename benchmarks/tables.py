@@ -55,7 +55,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
 
 
 def fill(text: str) -> str:
-    """``text`` with every table that has a result made anew."""
+    """``text`` with every table that has a result made again."""
 
     def block(match: re.Match[str]) -> str:
         path = RESULTS / f"{match['name']}.json"

@@ -183,7 +183,7 @@ def _in_own(rows: Sequence[Row]) -> dict[str, float]:
 
 
 def _interval(parts: Sequence[Mapping[str, Array]], way: str) -> dict[str, float]:
-    """The 95 % percentile interval of the AUROC, demonstrations drawn anew."""
+    """The 95 % percentile interval of the AUROC, demonstrations drawn again."""
     random = np.random.default_rng(SEED)
     drawn = []
     for _ in range(_DRAWS):

@@ -1,4 +1,4 @@
-"""Numba's compiler as this project uses it: kept on disk where that is possible, compiled anew where it is not."""
+"""Numba's compiler as this project uses it: kept on disk where that is possible, compiled again where it is not."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ class Evidence:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observation:
-    """Arrays of one length, entry i speaking of required fact i.
+    """Arrays of equal length; entry i is for required fact i.
 
     ``source`` is ``"sim"`` or ``"pred"``; ``observed`` is False if the grounder has no evidence at all; ``score`` is
     a world model's probability that the fact holds (NaN from a simulator).

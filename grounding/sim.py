@@ -45,7 +45,7 @@ class SimGrounder:
         self._known: mujoco.MjData | None = None
 
     def observe(self, data: mujoco.MjData, step: int = 0) -> Observation:
-        """Ground every fact in ``data``, a forwarded state of the scene's model; entry i speaks of fact i.
+        """Ground every fact in ``data``, a forwarded state of the scene's model; entry i is for fact i.
 
         Raises ``SIM003`` when ``qpos`` is not finite, naming the joint, and ``SIM004`` when it is another scene's.
         """

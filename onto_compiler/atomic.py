@@ -1,4 +1,4 @@
-"""Write a file whole or not at all: beside its place first, and into it when it is complete."""
+"""Write a file atomically: to a temporary file first, which replaces it when it is complete."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ _TOP = f"{BASE}run/compile"
 
 @dataclass(frozen=True, slots=True)
 class FileResult:
-    """What one file came to: how much it asks for (nothing, where it does not compile), and every problem of it."""
+    """The result for one file: how many facts it requires (none if it does not compile), and all its problems."""
 
     facts: int = 0
     premise: int = 0
@@ -128,7 +128,7 @@ def compile_files(
             verdicts[file] = verdict
             if kept is not None:
                 kept.add({key: asdict(verdict)})
-    finally:  # what was compiled before an interruption is kept, too
+    finally:  # save also what was compiled before an interruption
         if kept is not None and _stamp(sources) == stamp:  # else the ontology changed under our hands
             try:
                 kept.save()
@@ -166,7 +166,7 @@ def _judge_all(chunk: Sequence[tuple[Path, str, bytes]], extra: tuple[str, ...],
 
 @lru_cache(maxsize=1)
 def _knowledge(extra: tuple[str, ...], stamp: str) -> tuple[Schema, Validator]:  # noqa: ARG001 - the stamp is the key
-    """What files are judged by, loaded once in each process for each state of the ontology."""
+    """The compiled ontology, loaded once in each process for each state of its files."""
     return compile_schema(load_store(extra)), record_validator(extra)
 
 
@@ -181,7 +181,7 @@ def _judge(file: str, task: str, data: bytes, schema: Schema, validator: Validat
 
 
 def _violations(abox: RequiredABox, schema: Schema, validator: Validator) -> Iterator[Problem]:
-    """What the shapes say of the ABox as RDF, at the atom that each fact came from."""
+    """The violations of shapes by the ABox as RDF, each at the atom of its fact."""
     names, spans = _places(abox)
 
     def name(term: Term) -> str:

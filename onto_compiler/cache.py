@@ -1,6 +1,6 @@
-"""What was compiled once, under the same ontology and by the same compiler, need not be compiled again.
+"""A cache of compiled task files, valid for the same ontology and the same compiler.
 
-A cache is one file for each ``digest``. It is written anew beside the old one and put in its place, so that a reader
+A cache is one file for each ``digest``. It is written again beside the old one and put in its place, so that a reader
 sees one or the other; a file whose checksum does not fit what it holds counts as none.
 """
 
@@ -62,7 +62,7 @@ class VerdictCache:
     """JSON verdicts by key in one file of ``folder``, for one ``digest``."""
 
     def __init__(self, folder: Path, digest: str) -> None:
-        """Read what is kept for ``digest``; a damaged file counts as empty, and :attr:`damaged` says so."""
+        """Read the entries for ``digest``; a damaged file counts as empty and sets :attr:`damaged`."""
         self.folder, self.digest = folder, digest
         self.path = folder / f"verdicts-{digest[:32]}.json"
         kept = self._read()
@@ -74,7 +74,7 @@ class VerdictCache:
         return len(self._verdicts)
 
     def get(self, key: str) -> Any | None:  # noqa: ANN401 - whatever JSON holds
-        """The verdict kept for ``key``, or None."""
+        """The cached verdict for ``key``, or None."""
         return self._verdicts.get(key)
 
     def add(self, verdicts: Mapping[str, Any]) -> None:
@@ -83,7 +83,7 @@ class VerdictCache:
         self._fresh.update(verdicts)
 
     def save(self) -> None:
-        """Write the file anew, whole or not at all, with what another process has added meanwhile.
+        """Write the file again, whole or not at all, with what another process has added meanwhile.
 
         Raises:
             OSError: where the folder or the file cannot be written.

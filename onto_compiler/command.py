@@ -1,4 +1,4 @@
-"""What a subcommand of ``onto`` is. Packages register theirs in the entry-point group ``onto_evwm.commands``.
+"""Subcommands of ``onto``. Packages register theirs in the entry-point group ``onto_evwm.commands``.
 
 A command's module imports what is heavy inside :attr:`Command.run`, so that ``onto --help`` stays quick.
 """
@@ -36,7 +36,7 @@ def add_format(parser: argparse.ArgumentParser, *others: str) -> None:
 
 
 def add_ontology(parser: argparse.ArgumentParser) -> None:
-    """Give ``parser`` the option ``--ontology PATH...``: a person's own Turtle on top of the shipped one."""
+    """Give ``parser`` the option ``--ontology PATH...``: the user's own Turtle on top of the shipped one."""
     parser.add_argument(
         "--ontology",
         nargs="+",
@@ -46,7 +46,7 @@ def add_ontology(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def print_json(value: Any) -> None:  # noqa: ANN401 - whatever json.dumps takes
+def print_json(value: Any) -> None:  # noqa: ANN401 - any value that json.dumps accepts
     """Write ``value`` to standard output; NaN and infinities, which JSON lacks, become null."""
     json.dump(_finite(value), sys.stdout, indent=2, ensure_ascii=False, allow_nan=False)
     sys.stdout.write("\n")

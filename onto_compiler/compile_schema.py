@@ -89,7 +89,7 @@ Row = Mapping[str, str]
 
 @lru_cache(maxsize=4)
 def load_schema(*extra: str | Path) -> Schema:
-    """The shipped TBox and bindings, with a person's own Turtle on top, as a :class:`Schema`."""
+    """The shipped TBox and bindings, with the user's own Turtle on top, as a :class:`Schema`."""
     return compile_schema(load_store(extra))
 
 
@@ -97,7 +97,7 @@ def compile_schema(store: Store) -> Schema:
     """Read every table of the schema out of ``store`` (all its graphs).
 
     Raises:
-        OntoError: SCH001 if a declaration lacks what its table needs; `onto check` says it with the line.
+        OntoError: SCH001 if a declaration lacks what its table needs; `onto check` reports the line.
 
     """
     closure = read_hierarchy(store)

@@ -1,4 +1,4 @@
-"""What bringing about one fact means for another: whether they exclude each other, and whether one satisfies the other.
+"""Whether two facts exclude each other, and whether achieving one satisfies the other.
 
 They exclude each other by opposite polarity, or as sides of one joint that do not meet.
 """

@@ -1,4 +1,4 @@
-"""Which files a folder stands for, and where a path leads."""
+"""The files that a folder stands for, and the target of a path."""
 
 from __future__ import annotations
 

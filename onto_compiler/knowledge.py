@@ -1,4 +1,4 @@
-"""What an ontology says, compiled once: the schema, and the rules as tables."""
+"""The compiled ontology: the schema, and the rules as tables."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Knowledge:
 
 @lru_cache(maxsize=4)
 def load_knowledge(*extra: str | Path) -> Knowledge:
-    """The shipped ontology, with a person's own Turtle on top.
+    """The shipped ontology, with the user's own Turtle on top.
 
     Raises:
         OntoError: as :func:`onto_compiler.sources.load_store`, ``compile_schema`` and ``compile_tables``.

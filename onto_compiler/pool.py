@@ -29,7 +29,7 @@ def map_over_processes(
     death this one survives. Items that have not begun when the caller stops are dropped.
 
     Raises:
-        WorkerDiedError: where a process was ended, for want of memory say; what was yielded before is sound.
+        WorkerDiedError: if a process was killed, for example out of memory; results yielded before are valid.
     """
     if not items:
         return

@@ -1,6 +1,6 @@
-"""What is wrong with an input, where it stands, and what to do about it.
+"""Problems of an input: what is wrong, where, and what to do about it.
 
-Every fault that a person can cause becomes a :class:`Problem`; code that cannot go on raises :class:`OntoError`, which
+Every fault that a user can cause becomes a :class:`Problem`; code that cannot go on raises :class:`OntoError`, which
 the command line prints without a traceback.
 """
 
@@ -57,7 +57,7 @@ class Problem:
 
 
 class OntoError(Exception):
-    """A fault in what a person gave us; carries every problem that was found, in file order.
+    """A fault in what the user gave; carries every problem that was found, in file order.
 
     Given another error, it carries that one's problems: Gymnasium raises a worker's as ``type(error)(error)``.
     """

@@ -1,4 +1,4 @@
-"""What installed packages register for the terms of an ontology; nothing is imported to find out.
+"""The entry points that installed packages register for the terms of an ontology, found without importing them.
 
 Entry points stand in the metadata of a package, so that they are there whether or not what they name can be imported.
 """

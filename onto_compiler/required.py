@@ -1,4 +1,4 @@
-"""The required ABox: which typed facts a task asks for (paper, section 3: A*_g = phi_req(g))."""
+"""The required ABox: the typed facts of a task (paper, section 3: A*_g = phi_req(g))."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Precondition:
 
 @dataclass(frozen=True, slots=True)
 class RequiredABox:
-    """What a task asks for. ``facts`` belong to the goal; ``premise`` must hold after settling (the task's ``:init``).
+    """What a task requires. ``facts`` belong to the goal; ``premise`` must hold after settling (the task's ``:init``).
 
     Without ``alternatives`` all ``facts`` must hold at the end. Otherwise each alternative is a set of their indices,
     and the goal is reached where all facts of one alternative hold (the goal's disjunctive normal form).

@@ -47,7 +47,7 @@ def read_rules(store: Store) -> tuple[Rule, ...]:
 
     Raises:
         OntoError: SHP002 if a rule is of a kind that is not known or lacks a part; QRY001 to QRY003 if its
-            query must not be asked.
+            query must not be run.
     """
     graph = Graph.of_store(store)
     try:

@@ -117,7 +117,7 @@ class ScoreTerm:
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """What imagined plans are compared by: a weighed sum. ``name`` is its ``skos:notation``."""
+    """A weighted sum by which predicted plans are compared. ``name`` is its ``skos:notation``."""
 
     iri: str
     name: str

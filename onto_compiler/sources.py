@@ -41,7 +41,7 @@ def collect(paths: Iterable[Path | str]) -> tuple[Path, ...]:
 
 
 def load_store(extra: Sequence[Path | str] = (), *, shipped: bool = True) -> Store:
-    """The shipped ontology and a person's own files (``--ontology PATH...``) in one store.
+    """The shipped ontology and the user's own files (``--ontology PATH...``) in one store.
 
     Raises:
         OntoError: TTL001 for every file that is not Turtle, TTL002 for one that cannot be read.

@@ -1,4 +1,4 @@
-"""What a person's query must not do: reach the network, change what is stored, or ask for graphs that are not here.
+"""The guard of users' queries, which must not reach the network, change the store, or query graphs that are not in it.
 
 Oxigraph calls the endpoint of a ``SERVICE`` as soon as a query is asked, and it accepts the keyword without a space
 after it (``SERVICE:x``, ``SERVICESILENT<x>``), so that cutting the text into tokens decides nothing. Its parser does:
@@ -24,7 +24,7 @@ _UPDATES = {"ADD", "CLEAR", "COPY", "CREATE", "DELETE", "DROP", "INSERT", "LOAD"
 
 @dataclass(frozen=True, slots=True)
 class Refusal:
-    """Why a query is not asked; ``word`` is the keyword at fault, upper case."""
+    """Why a query is not run; ``word`` is the keyword at fault, upper case."""
 
     code: str
     message: str
@@ -43,7 +43,7 @@ class Refusal:
 def refusal(
     query: str, *, prefixes: Mapping[str, str] | None = None, graphs: Container[str] = frozenset()
 ) -> Refusal | None:
-    """Why ``query`` must not be asked; None if it may be.
+    """Why ``query`` must not be run; None if it may.
 
     ``prefixes`` need no declaration in it, and ``graphs`` are the IRIs of the named graphs that its FROM may name.
 

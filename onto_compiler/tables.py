@@ -60,7 +60,7 @@ RouteKey = tuple[str, str, str, str | None, str]  # predicate, failure, attempt 
 
 @dataclass(frozen=True, slots=True)
 class DiagnosisEntry:
-    """What the diagnosis and priority rules conclude of one combination."""
+    """The conclusions of the diagnosis and priority rules for one combination."""
 
     failure: str
     rule: str
@@ -69,7 +69,7 @@ class DiagnosisEntry:
 
 @dataclass(frozen=True, slots=True)
 class RouteEntry:
-    """What the routing rules conclude of one combination."""
+    """The conclusions of the routing rules for one combination."""
 
     route: str
     decision: str
@@ -81,7 +81,7 @@ class RuleTables:
     """``diagnosis[predicate, polarity, status]`` and ``routing[predicate, failure, attempt status, previous, level]``.
 
     The previous route is one of the same level, whose word (``state``) ends the key. A combination that is missing is
-    one that no rule speaks of.
+    one that no rule covers.
     """
 
     diagnosis: Mapping[DiagnosisKey, DiagnosisEntry]

@@ -1,4 +1,4 @@
-"""The versions of installed packages and of this checkout, which decide results and stand beside them."""
+"""The versions of installed packages and of this checkout, which are published with results."""
 
 from __future__ import annotations
 

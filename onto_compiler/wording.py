@@ -1,4 +1,4 @@
-"""How a number of things is written for a person."""
+"""Numbers with singular and plural nouns."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Term:
 
 
 class Condition(Protocol):
-    """A condition that is dear to measure, and so asked last."""
+    """A condition that is expensive to measure, and so evaluated last."""
 
     def __call__(self, data: mujoco.MjData, least: float = ...) -> Term:
         """The term of a forwarded state; where its margin is above ``least``, any margin that is, too."""

@@ -35,7 +35,7 @@ _LENGTH = struct.Struct("<Q")  # safetensors: the header's length comes first
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """What is known of a network. ``parameters`` are the keyword arguments that build it.
+    """The model card of a network. ``parameters`` are the keyword arguments that build it.
 
     Values are JSON, or numbers of numpy, which become JSON when they are saved; a metric that is not finite, such as a
     recall of what never occurred, becomes None.

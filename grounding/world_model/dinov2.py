@@ -51,7 +51,7 @@ class _Patches(nn.Module):
 
 
 class _Attention(nn.Module):
-    """Each token asks all tokens."""
+    """Self-attention over all tokens."""
 
     def __init__(self, width: int, heads: int) -> None:
         super().__init__()

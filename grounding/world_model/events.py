@@ -1,6 +1,6 @@
-"""G_psi: what EV-WM scores of an imagined end: progress, consistency, feasibility, uncertainty, and success.
+"""G_psi: EV-WM's scores of a predicted final state: progress, consistency, feasibility, uncertainty, and success.
 
-These speak of the task as a whole. Which predicate fails, on which arguments and by how much is what
+These are about the task as a whole. Which predicate fails, on which arguments and by how much is what
 :mod:`grounding.world_model.facts` adds.
 """
 
@@ -23,9 +23,9 @@ ARCHITECTURE = "events"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Events:
-    """What an imagined end is worth, each of (...).
+    """The scores of a predicted final state, each of (...).
 
-    ``remaining``: the way that is left to the target, in metres, which progress makes shorter; ``success``,
+    ``remaining``: the remaining distance to the target in metres, which progress reduces; ``success``,
     ``consistency`` (features and proprioception tell of one state) and ``feasibility`` (the state is valid) as logits;
     ``uncertainty``: the expected error of the imagined proprioception, in units of its scale.
     """
@@ -38,7 +38,7 @@ class Events:
 
     @classmethod
     def of(cls, found: torch.Tensor) -> Events:
-        """What a head's network gives, (..., 5); what is a size becomes positive."""
+        """From a head's raw outputs (..., 5); magnitudes become positive."""
         remaining, success, consistency, feasibility, uncertainty = found.unbind(-1)
         return cls(functional.softplus(remaining), success, consistency, feasibility, functional.softplus(uncertainty))
 

@@ -1,8 +1,8 @@
-"""H_omega: the truth score and the margin of each required fact, from an imagined state and the goal's observation.
+"""H_omega: the truth score and the margin of each required fact, from a predicted state and the goal's observation.
 
 A relation between two things is read as a distance: each predicate has a place for the state and for the goal in a
 small space that it learns, and its margin shrinks with the gap between them. What depends on the state alone is added.
-The score is the margin seen through the model's own doubt: the farther the members spread, the nearer to a half.
+The score is the margin weighed by the model's uncertainty: the larger the ensemble's spread, the nearer to a half.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ FILES = {name: f"{name}.safetensors" for name in ("projection", "dynamics", "eve
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WorldModel:
-    """``encoder`` reads pictures, ``dynamics`` imagines, the heads tell of what was imagined."""
+    """``encoder`` reads pictures, ``dynamics`` predicts states, the heads predict facts and events of these."""
 
     encoder: Projected
     dynamics: Dynamics

@@ -1,6 +1,6 @@
-"""phi_pred: what a world model imagines, as facts (paper, section 3): the predicted ABox, in the simulator's words.
+"""phi_pred: a world model's predictions as facts (paper, section 3): the predicted ABox, in the simulator's terms.
 
-A predicted fact holds where its score passes a half. It has a margin and a score as well, and says nothing of success:
+A predicted fact holds if its score exceeds one half. It also has a margin and a score, and does not imply success:
 a satisfied prediction may keep a plan, and only the native predicate accepts what came of it.
 """
 
@@ -62,7 +62,7 @@ class Predicted:
 class PredGrounder:
     """Grounds ``facts`` by ``head``, whose columns it puts in their order.
 
-    ``observed`` (F,): the facts that what is sensed tells anything of, all of them where nothing is said.
+    ``observed`` (F,): the facts for which the sensors give evidence; by default all.
     """
 
     def __init__(
@@ -102,7 +102,7 @@ class ScenePredGrounder:
         self._columns = [head.facts.index(name) for name in names]
 
     def ground(self, imagined: Imagined, sensed: torch.Tensor, *, every: bool = False) -> Predicted:
-        """As :meth:`PredGrounder.ground`; ``sensed`` (P,) says what of the proprioception the robot senses."""
+        """As :meth:`PredGrounder.ground`; ``sensed`` (P,) is the mask of sensed proprioception."""
         features, proprio = imagined.features, imagined.proprio
         if not every:
             features, proprio = features[:, :, -1], proprio[:, :, -1]

@@ -62,7 +62,7 @@ class SceneFactHead(nn.Module):
 class SceneEventHead(nn.Module):
     """Events of a task that is given by which of ``facts`` facts it requires.
 
-    Here :attr:`Events.remaining` is in seconds: how long the goal is still away where things go well.
+    Here :attr:`Events.remaining` is in seconds: the remaining time to the goal if the task succeeds.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""What the heads read of an imagined state and its goal, scaled; the coordinates that are not sensed are left out."""
+"""The heads' inputs from a predicted state and its goal, scaled; unsensed coordinates are left out."""
 
 from __future__ import annotations
 

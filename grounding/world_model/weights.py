@@ -1,4 +1,4 @@
-"""Weights that others publish as torch files: read as tensors and nothing else, and kept as safetensors."""
+"""Published weights in torch files: read as tensors only, and cached as safetensors."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ class _Builder:
     dialect: Dialect = LIBERO
 
     def slip(self, span: Span, code: str, message: str, hint: str) -> None:
-        """A problem, or a warning where the dialect's own reader goes on."""
+        """A problem, or a warning if the dialect's own reader accepts it."""
         if not self.dialect.tolerant:
             self.problem(span, code, message, hint)
             return
@@ -202,7 +202,7 @@ class _Builder:
                 yield Declaration(token.lower(), kind, self.span(token))
 
     def unique(self, *groups: Sequence[Declaration | Region]) -> None:
-        """No two declarations may share a name, since an atom would not say which it means."""
+        """No two declarations may share a name, since atoms would be ambiguous."""
         first: dict[str, Declaration | Region] = {}
         for item in (item for group in groups for item in group):
             if isinstance(item, Region) and item.target is NO_TARGET:

@@ -1,4 +1,4 @@
-"""A task file in, what it requires out: :mod:`parse` and :mod:`lift` in a row, under a person's own ontology."""
+"""From a task file to its required ABox: :mod:`parse`, then :mod:`lift`, with the user's own ontology."""
 
 from __future__ import annotations
 

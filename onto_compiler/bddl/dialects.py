@@ -20,11 +20,11 @@ class Dialect:
     name: str
     domains: frozenset[str]
     needed: tuple[str, ...]
-    supports: tuple[str, ...]  # predicates that say what something rests on, in lower case
-    contains: tuple[str, ...]  # predicates that say what something is in
-    opposites: tuple[tuple[str, str], ...]  # unary predicates of which not both hold
-    places: tuple[str, ...]  # predicates that say where something is at the start; none: every fact counts
-    tolerant: bool = False  # its published files hold slips that its own reader passes over; so do we, with a warning
+    supports: tuple[str, ...]  # predicates for what an object rests on, in lower case
+    contains: tuple[str, ...]  # predicates for what an object is in
+    opposites: tuple[tuple[str, str], ...]  # unary predicates that exclude each other
+    places: tuple[str, ...]  # predicates for an object's initial position; none: every fact counts
+    tolerant: bool = False  # its own reader accepts mistakes in its published files; so do we, with a warning
 
 
 LIBERO: Final = Dialect(

@@ -1,6 +1,6 @@
 """The parentheses of a task file, read on their own: which group holds what, and which one is not balanced.
 
-A file whose parentheses do not match would send a parser astray far from the slip, so they are looked at first, with
+A file whose parentheses do not match would send a parser astray far from the mistake, so they are looked at first, with
 what BDDL allows inside each kind of group as the guide to the one that was left open.
 """
 
@@ -64,7 +64,7 @@ def unbalanced(text: str) -> tuple[int, str] | None:
     for match in _parentheses(text):
         depth += 1 if match.group() == "(" else -1
         if depth < 0:
-            # The one that ended (define ...) too early is the slip, if anything but `)` follows it.
+            # The one that ended (define ...) too early is the mistake, if anything but `)` follows it.
             rest = text[closed_at + 1 : match.start()]
             return (closed_at if closed_at >= 0 and "(" in rest else match.start()), ")"
         if depth == 0 and closed_at < 0:

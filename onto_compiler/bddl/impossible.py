@@ -1,6 +1,6 @@
 """Whether a required ABox can hold at all: facts that exclude each other, or things that would be on themselves.
 
-Nothing here looks at a scene. What is said is certain: of predicates by what the ontology declares of them
+No scene is used. What is reported is certain: of predicates by what the ontology declares of them
 (``core:characteristic``), of joints by their thresholds. On two supports at a time a thing may well rest.
 """
 

@@ -1,7 +1,7 @@
 """A task file in the canonical layout, with its comments.
 
-A comment stands beside something: on its own line it belongs to what comes next in its section, at a line's end to what
-comes before. It goes where that is printed.
+Each comment belongs to an item: on its own line to the next one in its section, at a line's end to the one before. It
+is printed with that item.
 """
 
 from __future__ import annotations

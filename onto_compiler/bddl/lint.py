@@ -1,4 +1,4 @@
-"""What is legal in a task file and yet likely a slip. Findings are warnings; what harms nobody is information."""
+"""Finds what is legal in a task file but likely a mistake. Findings are warnings; harmless ones are information."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from onto_compiler.problems import Problem, near
 
 __all__ = ["lint"]
 
-# A model that was asked for paraphrases introduced its list, and the introduction became a task's instruction.
+# A language model introduced its list of paraphrases, and the introduction became a task's instruction.
 PREAMBLE = re.compile(
     r"\b(?:here (?:are|is)|below (?:are|is)|the following|these are)\b.*"
     r"\b(?:variations?|versions?|paraphrases?|rephrasings?|rewordings?|instructions?|sentences)\b"
@@ -96,7 +96,7 @@ def _split(declarations: Sequence[Declaration]) -> Iterator[Problem]:
 
 
 def _placed(spec: TaskSpec) -> Iterator[Problem]:
-    """Objects that nothing is said of at the start: nobody knows where they are."""
+    """Objects that no initial fact mentions: their position is unknown."""
     places = dialect_of(spec.domain).places
     located = {
         symbol.name

@@ -1,7 +1,7 @@
-"""Goals that cannot hold, hold already, or say a thing twice. Findings are warnings.
+"""Goals that cannot hold, hold already, or repeat themselves. Findings are warnings.
 
-A goal with alternatives is at fault where each of them is; what it merely repeats is looked for in goals without a
-choice, since alternatives share their facts.
+A goal with alternatives is reported if each of them is at fault; repetitions only in goals without alternatives, since
+alternatives share facts.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def _contradicted(way: Way, dialect: Dialect) -> Iterator[Problem]:  # noqa: ARG
 
 
 def _opposed(way: Way, dialect: Dialect) -> Iterator[Problem]:
-    """Two predicates of which not both hold, as Open and Close of one joint."""
+    """Two predicates that exclude each other, such as Open and Close of one joint."""
     wanted = {_key(atom): atom for atom, polarity in way if polarity}
     for one, other in dialect.opposites:
         for (predicate, arguments), atom in wanted.items():
@@ -72,7 +72,7 @@ def _opposed(way: Way, dialect: Dialect) -> Iterator[Problem]:
 
 
 def _supported(way: Way, dialect: Dialect) -> Iterator[Problem]:
-    """Something that shall be in two places at a time."""
+    """An object that would have to be in two places at once."""
     for names, verb in ((dialect.supports, "rest on"), (dialect.contains, "be in")):
         places: dict[str, Atom] = {}
         for atom, polarity in way:
@@ -87,14 +87,14 @@ def _supported(way: Way, dialect: Dialect) -> Iterator[Problem]:
 
 
 def _itself(way: Way, dialect: Dialect) -> Iterator[Problem]:
-    """Something on or in itself, or things that shall each be on another of them; the atom that closes the circle."""
+    """An object on or in itself, directly or by way of others; the problem is at the atom that closes the cycle."""
     stacked = [
         atom
         for atom, polarity in way
         if polarity and atom.predicate.lower() in (*dialect.supports, *dialect.contains) and len(atom.arguments) == 2
     ]
     while True:
-        # What nothing is on, or what is on nothing, is part of no circle.
+        # An object with nothing on it, or on nothing, is not part of a cycle.
         tops, bottoms = ({atom.arguments[i].name for atom in stacked} for i in (0, 1))
         circular = [a for a in stacked if a.arguments[0].name in bottoms and a.arguments[1].name in tops]
         if len(circular) == len(stacked):
@@ -111,7 +111,7 @@ def _itself(way: Way, dialect: Dialect) -> Iterator[Problem]:
 
 @dataclass(frozen=True, slots=True)
 class _Start:
-    """What ``:init`` says."""
+    """The facts of ``:init``."""
 
     dialect: Dialect
     targets: dict[str, str]  # region: what it is part of
@@ -133,14 +133,14 @@ class _Start:
         return key in self.false or (predicate in placed and elsewhere)
 
     def _apart(self, one: tuple[str, ...], other: tuple[str, ...]) -> bool:
-        """Whether both speak of one thing, and of places that are not parts of one (regions may overlap)."""
+        """Whether both are about the same object, and about places of different objects (regions may overlap)."""
         if len(one) != 2 or len(other) != 2 or one[0] != other[0]:
             return False
         return self.targets.get(one[1], one[1]) != self.targets.get(other[1], other[1])
 
 
 def _already(spec: TaskSpec, goal: GoalLiterals) -> Iterator[Problem]:
-    """A goal that the declared start satisfies: some alternative asks for nothing that ``:init`` does not say."""
+    """A goal that the declared initial facts satisfy: ``:init`` has all facts of some alternative."""
     targets = {region.site: region.target.name for region in spec.regions}
     true, false = ({_key(atom) for atom in atoms} for atoms in (spec.init, spec.absent))
     start = _Start(dialect_of(spec.domain), targets, true, false)

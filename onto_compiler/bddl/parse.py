@@ -1,4 +1,4 @@
-"""Text to syntax tree. Every problem of a file is collected: what is broken is taken out, and the rest read on."""
+"""Text to syntax tree. Every problem of a file is collected: broken parts are skipped, and the rest is parsed."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def read_text(path: Path) -> str:
 
 
 def read_bytes(path: Path) -> bytes:
-    """What the file at ``path`` holds; raises BDDL004 where it cannot be read."""
+    """The content of the file at ``path``; raises BDDL004 where it cannot be read."""
     try:
         return path.read_bytes()
     except OSError as error:
@@ -184,7 +184,7 @@ def _point(file: str, text: str, position: int) -> Span:
 
 
 def _hint(path: Path) -> str:
-    """What to do about a file that cannot be read."""
+    """The hint for a file that cannot be read."""
     if path.is_symlink() and not path.exists():
         return f"`{path.name}` is a link that leads to no file: correct the link, or give the file itself"
     if not path.exists():

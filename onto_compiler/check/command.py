@@ -146,7 +146,7 @@ def _relative(problem: Problem) -> Problem:
 
 
 def _shown(file: Path | str) -> str:
-    """A file as seen from the working directory, where it lies below it."""
+    """The path of a file, relative to the working directory if it is below it."""
     try:
         return str(Path(file).relative_to(Path.cwd()))
     except ValueError:

@@ -1,6 +1,6 @@
 """The mechanical repair of a problem, as a change of a few characters where the problem stands.
 
-Only what has one right answer is here. What a misspelt name was meant to be is for a person to say.
+Only problems with one right answer are repaired. The intended name of a misspelt one, a person must decide.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def _full_stop(place: _Place) -> Edit | None:
     inside = token.text[quote:-quote]
     kept = inside.rstrip()
     last = unescape(inside).rstrip()[-1:]
-    # What ends in an escape, or in other punctuation, is for a person to end.
+    # What ends in an escape, or in other punctuation, a person must end.
     if not kept.endswith(last) or not (last.isalnum() or last == ")"):
         return None
     start = token.start + quote + len(kept)

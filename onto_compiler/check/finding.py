@@ -1,4 +1,4 @@
-"""What a check found, before it has a place in a file."""
+"""A finding of a check, before it is located in a file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``onto check --fix``: repair what is mechanical until nothing mechanical is left, in memory first, then on disk."""
+"""``onto check --fix``: repair problems with a mechanical fix until none is left, first in memory, then on disk."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ROUNDS = 20  # a repair may show another problem (a prefix that its term was th
 
 @dataclass(frozen=True, slots=True)
 class Fixed:
-    """What was done, the texts that resulted, and what is left to a person."""
+    """The repairs, the resulting texts, and the remaining problems."""
 
     edits: tuple[Edit, ...]
     before: Mapping[Path, str]

@@ -33,7 +33,7 @@ def with_hermit(report: Report, paths: Sequence[Path | str], texts: Mapping[Path
         return report
     try:
         model = load_model(turtle, texts)
-    except OntoError:  # in the report already: what is no Turtle is not reasoned with
+    except OntoError:  # in the report already: files that are not Turtle are not reasoned with
         return report
     logical = {problem for problem in report.problems if problem.code in _CODES}
     # A contradiction that is named already would only be found again, without its axioms.
@@ -45,7 +45,7 @@ def with_hermit(report: Report, paths: Sequence[Path | str], texts: Mapping[Path
 
 
 def _named(problem: Problem) -> str:
-    """The class that a problem speaks of: its message begins with it."""
+    """The class that a problem is about: its message begins with it."""
     return problem.message.partition("` ")[0]
 
 

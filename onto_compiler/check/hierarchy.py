@@ -25,7 +25,7 @@ _SUBCLASS = NamedNode(RDFS + "subClassOf")
 
 
 def check_hierarchy(model: Model) -> Iterator[Finding]:
-    """What is wrong with the hierarchy of all files.
+    """The problems of the class hierarchy of all files.
 
     OWL004 for each ``rdfs:subClassOf`` of a circle, OWL006 for each that puts a class under two disjoint ones, and
     OWL005 for each type that puts an individual there.

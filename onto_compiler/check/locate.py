@@ -122,7 +122,7 @@ def _path_of(graph: NamedNode) -> Path:
 
 
 def _named(path: Path) -> str:
-    """A file as a person would call it: a shipped one by its name, another from the current folder on."""
+    """The display name of a file: a shipped one by its name, another relative to the current folder."""
     shipped = Path(ontology.__file__).parent
     for above in (shipped, Path.cwd()):
         if path.is_relative_to(above):

@@ -85,7 +85,7 @@ class _Rule:
 
 
 def check_rules(model: Model) -> Iterator[Finding]:
-    """What is wrong with the text of every rule."""
+    """The problems in the text of every rule."""
     rules = list(_rules(model))
     sound = []
     for rule in rules:

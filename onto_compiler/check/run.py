@@ -32,7 +32,7 @@ __all__ = ["Report", "check", "check_model"]
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What was found, and in how much."""
+    """The problems, and the number of files and triples."""
 
     problems: tuple[Problem, ...]
     files: tuple[Path, ...]

@@ -1,4 +1,4 @@
-"""Task files among what ``onto check`` is given: parsed, lifted by the ontology beside them, and linted."""
+"""The task files given to ``onto check``: parsed, lifted with the ontology given with them, and linted."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """One side of a comparison: Turtle files, folders, or what a git revision held, as descriptions of terms.
 
-A blank node is described by what it says, so two files that differ in its label or place are the same.
+A blank node is described by its statements, so two files that differ only in its label or place are equal.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""``onto schema``: what is generated from the ontology, printed, written, or compared with the files that are kept."""
+"""``onto schema``: files generated from the ontology, printed, written, or compared with the committed ones."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _relative(path: Path) -> str:
-    """A file as seen from the working directory, where it lies below it."""
+    """The path of a file, relative to the working directory if it is below it."""
     try:
         return str(path.relative_to(Path.cwd()))
     except ValueError:

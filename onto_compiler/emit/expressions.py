@@ -36,8 +36,8 @@ _FACETS = {
 _REPEATABLE = {"sh:class", "sh:property", "sh:not", "sh:or", "sh:and", "sh:hasValue"}
 
 
-class NotExpressed(Exception):  # noqa: N818 - it is caught where the axiom is left out, and is no error of a person
-    """An axiom that SHACL Core has no words for; its text says which."""
+class NotExpressed(Exception):  # noqa: N818 - it is caught where the axiom is left out, and is not a user's error
+    """An axiom that SHACL Core cannot express; its text says which."""
 
 
 def expression(tbox: TBox, term: Term, depth: int = _DEPTH) -> tuple[Pair, ...]:

@@ -26,7 +26,7 @@ _IMPORTS, _VERSION = NamedNode(OWL + "imports"), NamedNode(OWL + "versionIRI")
 def with_imports(paths: Sequence[Path | str]) -> tuple[Path, ...]:
     """The given files, and those of their folders that they import, directly or through others.
 
-    A file beside them that is not Turtle is passed over, as nobody asked for it.
+    Other files that are not Turtle are ignored.
 
     Raises:
         OntoError: TTL002, as ``collect``.

@@ -102,7 +102,7 @@ class TBox:
 
 
 def read_tbox(paths: Sequence[Path | str] = ()) -> TBox:
-    """The shipped ontology with a person's own Turtle and its imports on top; own files may take shipped ones' places.
+    """The shipped ontology with the user's own Turtle and its imports on top; own files may take shipped ones' places.
 
     Raises:
         OntoError: TTL0nn, for every file that is missing or is not Turtle; OWL003, for an import that no file declares;

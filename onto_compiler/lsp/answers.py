@@ -1,4 +1,4 @@
-"""What the language server answers, before it is put into the protocol's words. Lines and columns count from 1."""
+"""The answers of the language server, independent of the protocol's types. Lines and columns count from 1."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Completion:
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """What is known of the word at ``span``, in Markdown."""
+    """The documentation of the word at ``span``, in Markdown."""
 
     markdown: str
     span: Span

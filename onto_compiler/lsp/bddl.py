@@ -74,7 +74,7 @@ def complete(text: str, offset: int, schema: Schema) -> tuple[Completion, ...]:
 
 
 def hover(text: str, offset: int, schema: Schema) -> Hover | None:
-    """What the task declares, or the ontology says, of the word at ``offset``."""
+    """The documentation of the word at ``offset``, from the task or the ontology."""
     word = _word(text, offset)
     if word is None:
         return None

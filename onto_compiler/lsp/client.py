@@ -1,4 +1,4 @@
-"""A client that speaks to a server process: what an editor does, without one. Tests and benchmarks use it."""
+"""A client of a server process, in place of an editor, for tests and benchmarks."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Client(Closing):
         self.notify("initialized", {})
 
     def close(self) -> int:
-        """End the session as the protocol has it; the exit code."""
+        """End the session as in the protocol; returns the exit code."""
         if self.process.poll() is None:
             self.request("shutdown", None)
             self.notify("exit", None)

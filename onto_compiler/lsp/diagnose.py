@@ -53,7 +53,7 @@ def whole_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Probl
 
 
 def task_problems(path: Path, text: str, schema: Schema) -> tuple[Problem, ...]:
-    """Everything that parsing and lifting a task file says."""
+    """All problems from parsing and lifting a task file."""
     from onto_compiler.bddl import lift, parse  # noqa: PLC0415 - Lark is heavy, and Turtle needs none
 
     try:

@@ -40,7 +40,7 @@ _KINDS = {
 
 
 class OntoServer(LanguageServer):
-    """What is kept between requests: the vocabulary, the schema, and what the last whole check found."""
+    """The state between requests: the vocabulary, the schema, and the findings of the last full check."""
 
     def __init__(self, extra: tuple[Path, ...]) -> None:
         super().__init__("onto", version("onto-evwm"))
@@ -91,7 +91,7 @@ class OntoServer(LanguageServer):
 
 
 def make_server(extra: tuple[Path, ...] = ()) -> OntoServer:
-    """A server that is ready to be started; ``extra`` is a person's own Turtle, for task files."""
+    """A server that is ready to be started; ``extra`` is the user's own Turtle, for task files."""
     server = OntoServer(extra)
     server.feature(types.TEXT_DOCUMENT_DID_OPEN)(_opened)
     server.feature(types.TEXT_DOCUMENT_DID_CHANGE)(_typed)

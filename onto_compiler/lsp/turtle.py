@@ -81,7 +81,7 @@ def term_at(text: str, offset: int) -> tuple[str, Token] | None:
 
 
 def hover(text: str, offset: int, vocabulary: Mapping[str, VocabularyTerm]) -> Hover | None:
-    """What the ontology says of the term at ``offset``."""
+    """The documentation of the term at ``offset``."""
     found = term_at(text, offset)
     if found is None or found[0] not in vocabulary:
         return None

@@ -1,4 +1,4 @@
-"""The terms that a Turtle file can use, with what is worth telling of each."""
+"""The terms that a Turtle file can use, with their documentation."""
 
 from __future__ import annotations
 

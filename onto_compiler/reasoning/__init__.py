@@ -1,1 +1,1 @@
-"""What follows from an ontology, and which of its axioms clash."""
+"""The consequences of an ontology, and contradictions among its axioms."""

@@ -88,7 +88,7 @@ class Closure:
                     self.add((twin, predicate, value), fact, (subject, _SAME, twin))
 
     def typed(self, subject: Term, cls: Term, fact: Fact) -> None:
-        """What follows from ``subject`` being a ``cls``."""
+        """The consequences of ``subject`` being a ``cls``."""
         axioms = self.axioms
         if cls == _NOTHING:
             self.clash(subject, fact)
@@ -106,7 +106,7 @@ class Closure:
         self.restricted(subject, cls, fact)
 
     def restricted(self, subject: Term, cls: Term, fact: Fact) -> None:
-        """What follows from ``subject`` being a ``cls``, where that is a restriction or the filler of one."""
+        """The consequences of ``subject`` being a ``cls``, where that is a restriction or the filler of one."""
         axioms = self.axioms
         for prop, filler, axiom in axioms.only.get(cls, ()):
             for value in self.out.get((subject, prop), ()):
@@ -131,7 +131,7 @@ class Closure:
                             yield prop, source
 
     def related(self, subject: Term, prop: Term, value: Term, fact: Fact) -> None:
-        """What follows from ``subject prop value``."""
+        """The consequences of ``subject prop value``."""
         axioms = self.axioms
         for wider, axiom in axioms.wider.get(prop, ()):
             self.add((subject, wider, value), fact, axiom)
@@ -155,7 +155,7 @@ class Closure:
             self.clash(subject, fact, axioms.negative[fact])
 
     def filled(self, subject: Term, prop: Term, value: Term, fact: Fact) -> None:
-        """What follows from ``subject prop value`` for the restrictions on ``prop``."""
+        """The consequences of ``subject prop value`` for the restrictions on ``prop``."""
         axioms = self.axioms
         for restriction, axiom in axioms.has_value.get((prop, value), ()):
             self.add((subject, TYPE, restriction), fact, axiom)
@@ -170,7 +170,7 @@ class Closure:
                     self.add((value, TYPE, filler), fact, (subject, TYPE, cls), axiom)
 
     def characteristic(self, subject: Term, prop: Term, value: Term, fact: Fact) -> None:
-        """What follows from ``prop`` being symmetric, transitive, asymmetric or irreflexive."""
+        """The consequences of ``prop`` being symmetric, transitive, asymmetric or irreflexive."""
         marks = self.axioms.marks
         if axiom := marks.get((prop, "SymmetricProperty")):
             self.add((value, prop, subject), fact, axiom)
@@ -185,7 +185,7 @@ class Closure:
             self.clash(subject, fact, axiom)
 
     def functional(self, subject: Term, prop: Term, value: Term, fact: Fact) -> None:
-        """What follows from ``prop`` being functional or inverse functional."""
+        """The consequences of ``prop`` being functional or inverse functional."""
         marks = self.axioms.marks
         if axiom := marks.get((prop, "FunctionalProperty")):
             for other in self.out[subject, prop]:

@@ -48,7 +48,7 @@ def of_class(iri: str) -> tuple[tuple[tuple[str, str], ...], str]:
 
 @dataclass(frozen=True, slots=True)
 class Single:
-    """What forms with one value of one property have in common."""
+    """The common base of forms with one value of one property."""
 
     def present(self, field: Field, subject: Subject) -> bool:
         """Whether there is a value."""
@@ -102,7 +102,7 @@ class Scalar(Single):
 
     @property
     def constraint(self) -> tuple[tuple[tuple[str, str], ...], str]:
-        """What SHACL asks of the value."""
+        """The SHACL constraints on the value."""
         pairs, wanted = of_datatype(self.datatype)
         return (*pairs, *self.bounds[0]), self.bounds[1] or wanted
 
@@ -140,7 +140,7 @@ class _AnyLiteral(Single):
 
     @property
     def constraint(self) -> tuple[tuple[tuple[str, str], ...], str]:
-        """What SHACL asks of the value."""
+        """The SHACL constraints on the value."""
         return (("sh:nodeKind", "sh:Literal"),), "a literal"
 
     def term(self, value: Any) -> Term:  # noqa: ANN401 - one of four types
@@ -180,7 +180,7 @@ class Iri(Single):
 
     @property
     def constraint(self) -> tuple[tuple[tuple[str, str], ...], str]:
-        """What SHACL asks of the value."""
+        """The SHACL constraints on the value."""
         if not self.among:
             return of_class(self.cls)
         names = [shorten(iri) for iri in self.among]
@@ -215,7 +215,7 @@ class Notation(Single):
 
     @property
     def constraint(self) -> tuple[tuple[tuple[str, str], ...], str]:
-        """What SHACL asks of the value."""
+        """The SHACL constraints on the value."""
         return Iri(self.cls, among=tuple(sorted(self.words.values())) if self.closed else ()).constraint
 
     def term(self, value: Any) -> Term:  # noqa: ANN401 - text
@@ -237,7 +237,7 @@ class Number(Single):
 
     @property
     def constraint(self) -> tuple[tuple[tuple[str, str], ...], str]:
-        """What SHACL asks of the value."""
+        """The SHACL constraints on the value."""
         return of_class(self.cls)
 
     def write(self, field: Field, value: Any, spot: Spot) -> Iterator[Statement]:  # noqa: ANN401 - a number
@@ -282,7 +282,7 @@ class Numbers:
         return list(value)
 
     def shapes(self, field: Field) -> Iterable[PropertyShape]:
-        """Nothing of what others say of this record."""
+        """Nothing: others' statements about this record are ignored."""
         if not self.reverse:
             pairs, _ = of_class(self.cls)
             least = int(field.needed and field.asked)

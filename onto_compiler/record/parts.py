@@ -62,7 +62,7 @@ class Part(Single):
 
     @property
     def constraint(self) -> tuple[tuple[tuple[str, str], ...], str]:
-        """What SHACL asks of the value."""
+        """The SHACL constraints on the value."""
         return of_class(self.record.type)
 
     def write(self, field: Field, value: Any, spot: Spot) -> Iterator[Statement]:  # noqa: ANN401 - a record

@@ -1,4 +1,4 @@
-"""Where a record stands: the IRI and graph that it is written to, and the subject that it is read from."""
+"""The place of a record: the IRI and graph that it is written to, and the subject that it is read from."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Statement = tuple[str, str, str, Term]
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """What forms look up while they write.
+    """The context of forms while they write.
 
     ``thresholds``: IRIs that stand as arguments and are no entities of a scene; ``routes``: IRIs by the names and IRIs
     that proposers give; ``origins``: for an observed ABox, what made it and the observation before it, by its IRI.

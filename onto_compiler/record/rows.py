@@ -1,4 +1,4 @@
-"""The JSON of records: rows of columns, each with what JSON Schema and JSON-LD say of it and how its value is found.
+"""The JSON of records: rows of columns, each with its JSON Schema, its JSON-LD term and a function for its value.
 
 A flat row speaks of several things at once (an attempt of its decision and application, say); read as RDF it is one
 node that is all of them.
@@ -17,14 +17,14 @@ __all__ = ["GRAPH", "OMITTED", "TYPE", "Column", "Row", "printed"]
 GRAPH = "@graph"  # the term of a column that holds records and says nothing itself
 TYPE = "@type"  # the term of a column that names the class of its record
 OMITTED: Final = object()
-"""What an optional column finds where its row has nothing of the kind."""
+"""The value of an optional column that its row does not have."""
 
 Value = Callable[[Any, Any], Any]  # of what a row is about and the schema
 
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """What a column holds and states.
+    """A column's type, term and value.
 
     ``kind`` is a JSON type, ``strings``, ``word:KIND`` (see :mod:`onto_compiler.emit.words`), ``words:KIND``,
     ``record:NAME``, ``list:NAME`` or ``rows:TYPE``, a list of lists.
@@ -48,7 +48,7 @@ class Row:
     rules: tuple[str, ...] = ()
 
     def of(self, subject: Any, names: Any = None) -> dict[str, Any]:  # noqa: ANN401 - whatever the columns look at
-        """The object that speaks of ``subject``; ``names`` is the schema."""
+        """The object for ``subject``; ``names`` is the schema."""
         found = {name: column.value(subject, names) for name, column in self.columns.items()}
         return {name: value for name, value in found.items() if value is not OMITTED}
 

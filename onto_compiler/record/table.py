@@ -26,7 +26,7 @@ NAN: Final = float("nan")
 
 @dataclass(frozen=True, slots=True)
 class PropertyShape:
-    """What SHACL asks of one property: how often (``most`` 0: as often as one likes) and what its values are.
+    """The SHACL constraints on one property: how often (``most`` 0: as often as one likes) and what its values are.
 
     ``pairs`` are constraints as Turtle writes them (``("sh:datatype", "xsd:string")``), ``wanted`` the same in words.
     """
@@ -51,7 +51,7 @@ class Form(Protocol):
         ...
 
     def present(self, field: Field, subject: Subject) -> bool:
-        """Whether the record of ``subject`` says anything of the field."""
+        """Whether the record of ``subject`` has the field."""
         ...
 
     def read(self, field: Field, subject: Subject) -> Any:  # noqa: ANN401 - as above
@@ -63,7 +63,7 @@ class Form(Protocol):
         ...
 
     def shapes(self, field: Field) -> Iterable[PropertyShape]:
-        """What SHACL asks of the statements."""
+        """The SHACL constraints on the statements."""
         ...
 
 
@@ -136,5 +136,5 @@ def same(left: Any, right: Any) -> bool:  # noqa: ANN401 - values of any field
 
 
 def missing(field: Field, value: Any) -> bool:  # noqa: ANN401 - as above
-    """Whether ``value`` is what stands for nothing."""
+    """Whether ``value`` is the one that stands for nothing."""
     return value is None or (not field.needed and same(value, field.missing))

@@ -1,1 +1,1 @@
-"""The HTML reference of an ontology: what a person reads who has to use its terms."""
+"""The HTML reference of an ontology, for users of its terms."""

@@ -93,7 +93,7 @@ class Reference:
 
 
 def read_reference(paths: Sequence[Path | str] = ()) -> Reference:
-    """The shipped ontology with a person's own Turtle on top; an own file may take a shipped one's place.
+    """The shipped ontology with the user's own Turtle on top; an own file may take a shipped one's place.
 
     Raises:
         OntoError: TTL0nn, for a file that is missing or is not Turtle; SCH001 and RUN002, as ``compile_schema`` and

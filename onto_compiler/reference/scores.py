@@ -1,4 +1,4 @@
-"""What imagined plans are compared by: each score's terms with their weights."""
+"""The scores of predicted plans: each score's terms with their weights."""
 
 from __future__ import annotations
 

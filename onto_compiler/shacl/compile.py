@@ -112,7 +112,7 @@ class Compiler:
         yield from custom_checks(reader, node, path, self.components)
 
     def targets(self, node: Term) -> Iterator[Target]:
-        """What a shape is for (SHACL, section 2.1.3; SHACL-AF, section 3).
+        """The targets of a shape (SHACL, section 2.1.3; SHACL-AF, section 3).
 
         Raises:
             ShapeFault: a target is not what it must be.
@@ -159,7 +159,7 @@ def _candidates(graph: Graph) -> list[Term]:
 def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shapes:
     """Every shape of ``graph`` that has a target. Shapes that cannot run are left out and appended to ``faults``.
 
-    Queries that must not be asked are appended too, whether a shape uses them or not.
+    Queries that must not be run are appended too, whether a shape uses them or not.
 
     Raises:
         ShapeFault: the first of them, where no list is given.

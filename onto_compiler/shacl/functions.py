@@ -29,7 +29,7 @@ class Functions(dict[NamedNode, Function]):
 def declared_functions(reader: Reader, faults: list[ShapeFault] | None = None) -> Functions:
     """Every SPARQL function of a shapes graph. Parameters are ordered by ``sh:order``, then by local name.
 
-    Functions that must not be asked are left out and appended to ``faults``.
+    Functions that must not be run are left out and appended to ``faults``.
 
     Raises:
         ShapeFault: the first of them, where no list is given.

@@ -1,4 +1,4 @@
-"""What a compiled shape is, and what validating with it gives."""
+"""Compiled shapes, and the results of validation."""
 
 from __future__ import annotations
 
@@ -49,12 +49,12 @@ class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError on
         self.shape, self.parameter, self.value, self.inside = shape, parameter, value, inside
 
     def same(self, other: ShapeFault) -> bool:
-        """Whether the two say the same of the same shape."""
+        """Whether the two are the same fault of the same shape."""
         return str(self) == str(other) and self.shape == other.shape
 
     @property
     def fields(self) -> tuple[str, str, str]:
-        """Code, message and help, where no place is known yet."""
+        """Code, message and hint, before the fault is located."""
         problem = self.problems[0]
         if problem.code == "SHP002":
             return "SHP002", f"a shape cannot run: {problem.message}", "correct the shape; see `onto explain SHP002`"
@@ -75,10 +75,10 @@ class ShapeResult:
     focus: Term
     path: Term | None
     value: Term | None
-    component: str  # local name, e.g. "MinCountConstraintComponent", or the IRI of a person's own component
+    component: str  # local name, e.g. "MinCountConstraintComponent", or the IRI of the user's own component
     shape: Term
     message: str = ""
-    severity: str = "Violation"  # local name, or the IRI of a person's own severity
+    severity: str = "Violation"  # local name, or the IRI of the user's own severity
     code: str = ""
     hint: str = ""
     expected: str = ""

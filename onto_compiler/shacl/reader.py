@@ -76,7 +76,7 @@ class Reader:
         This is the only way from a shapes graph to a query. None if there is none.
 
         Raises:
-            ShapeFault: the query must not be asked (QRY001 to QRY003), needs a path that ``node`` lacks, or mentions
+            ShapeFault: the query must not be run (QRY001 to QRY003), needs a path that ``node`` lacks, or mentions
                 SERVICE and is not SPARQL.
 
         """
@@ -100,7 +100,7 @@ class Reader:
         raise ShapeFault(refused.message, node, name, text, code=refused.code, hint=refused.hint, inside=place)
 
     def refused(self) -> Iterator[ShapeFault]:
-        """Every query of the graph that must not be asked, whether anything uses it or not."""
+        """Every query of the graph that must not be run, whether anything uses it or not."""
         for name in _QUERIES:
             for holder in sorted(self.graph.holders(NamedNode(SH + name)), key=str):
                 try:

@@ -1,4 +1,4 @@
-"""SHACL-SPARQL: ``sh:sparql`` constraints, constraint components and functions of a person's own (SHACL, 5 and 6)."""
+"""SHACL-SPARQL: ``sh:sparql`` constraints, constraint components and functions of the user's own (SHACL, 5 and 6)."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ def _read(path: Path, text: str) -> list[Quad]:
 
 
 def _anonymous(quads: Iterable[Quad]) -> Counter[tuple[str, ...]]:
-    """Statements without the names of blank nodes, which each reading gives anew; their order is the reader's own."""
+    """Statements without the names of blank nodes, which differ at each reading; their order is the reader's own."""
     return Counter(
         tuple("" if isinstance(term, BlankNode) else str(term) for term in (one.subject, one.predicate, one.object))
         for one in quads

@@ -76,7 +76,7 @@ def _prefix(source: SourceText, message: str, offset: int) -> Problem | None:
 
 
 def _bracket(source: SourceText, before: list[Token], found: Token | None) -> Problem | None:
-    """A ``.`` or the end of the file inside ``[`` or ``(``: the slip is at the bracket."""
+    """A ``.`` or the end of the file inside ``[`` or ``(``: the mistake is at the bracket."""
     if found is not None and found.text != ".":
         return None
     opened: list[Token] = []
@@ -101,7 +101,7 @@ def _bracket(source: SourceText, before: list[Token], found: Token | None) -> Pr
 
 
 def _end(source: SourceText, message: str, before: list[Token], found: Token | None) -> Problem | None:
-    """A statement without its dot: the slip is behind the last token that still belongs to it."""
+    """A statement without its dot: the mistake is behind the last token that still belongs to it."""
     if not before or not (message.startswith("A dot is expected") or (found is None and before[-1].text != ".")):
         return None
     hint = "end the statement with `.`"

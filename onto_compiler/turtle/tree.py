@@ -121,7 +121,7 @@ class _Reader:
         return self.lexemes[self.at]
 
     def next(self) -> Token:
-        """The next token; comments before it that nobody has taken are kept for the item that is being read."""
+        """The next token; comments before it that are not yet assigned are kept for the item that is being read."""
         lexeme = self.peek
         self.loose += self.above()
         if lexeme.token.kind == END:

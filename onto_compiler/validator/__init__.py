@@ -1,1 +1,1 @@
-"""Records held to the shapes as they are written: the SHACL engine over the few statements at hand."""
+"""Validates records against the shapes when they are written: the SHACL engine over the new statements."""

@@ -1,4 +1,4 @@
-"""Validates records as they are written, with the shapes of the shipped ontology and of a person's own Turtle."""
+"""Validates records as they are written, with the shapes of the shipped ontology and of the user's own Turtle."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def compile_validator(
 
 
 def record_validator(ontology: Sequence[Path | str] = ()) -> Validator:
-    """The shapes of the shipped ontology and of a person's own Turtle, compiled; once for the shipped one alone.
+    """The shapes of the shipped ontology and of the user's own Turtle, compiled; once for the shipped one alone.
 
     Raises:
         OntoError: as :func:`onto_compiler.sources.load_store`; SHP002 if a shape cannot run.

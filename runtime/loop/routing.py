@@ -67,7 +67,7 @@ def route_or_none(
     *,
     level: str = "state",
 ) -> RouteDecision | None:
-    """As :func:`route`, and None if no rule speaks of the combination: so ends a route that names no successor."""
+    """As :func:`route`, and None if no rule covers the combination: so ends a route that names no successor."""
     entry = knowledge.tables.routing.get((diagnosis.fact.predicate, diagnosis.failure, status, previous, level))
     if entry is None:
         return None

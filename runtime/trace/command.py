@@ -23,7 +23,7 @@ onto trace export --format nquads > trace.nq"""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Declare the five subcommands; every one can name the trace and a person's own ontology."""
+    """Declare the five subcommands; every one can name the trace and the user's own ontology."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     query = actions.add_parser("query", help="ask a trace with SPARQL", description=_query.__doc__)
     query.add_argument("words", nargs="*", metavar="FILE.rq [TRACE]", help=f"the query, then {_WHERE}")

@@ -165,14 +165,14 @@ class Reasons:
         return self.schema.notations.get(iri, local_name(iri))
 
     def _files(self, iri: str) -> list[Path]:
-        """The files that declare ``iri``, a person's own before the shipped ones that they take the place of."""
+        """The files that declare ``iri``, the user's own before the shipped ones that they take the place of."""
         declared = self.store.quads_for_pattern(node(iri), node(RDF + "type"), None, None)
         paths = {path for quad in declared if (path := _path(quad.graph_name)) is not None}
         return sorted(paths, key=lambda path: (path.is_relative_to(ontology.ROOT), path))
 
 
 def load_reasons(schema: Schema, extra: Sequence[str | Path]) -> Reasons:
-    """Reasons from the shipped ontology with a person's own files on top.
+    """Reasons from the shipped ontology with the user's own files on top.
 
     Raises:
         OntoError: TTL0nn, where one of the files is not Turtle.

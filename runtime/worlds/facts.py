@@ -39,7 +39,7 @@ class FactReporter:
     def __init__(self, scene: Scene, required: RequiredABox, knowledge: Knowledge, *, level: str = "state") -> None:
         """Resolve every fact in ``scene``; failures are sent to routes of ``level``.
 
-        Raises ``SIM001`` ff. where a fact names what the scene lacks.
+        Raises ``SIM001`` ff. if a fact names what the scene lacks.
         """
         self._required, self._knowledge, self._level = required, knowledge, level
         self._goal = SimGrounder(scene, required.facts, knowledge.schema)

@@ -65,7 +65,7 @@ def test_tolerances_of_the_page_are_those_of_the_ontology():
     schema = load_knowledge().schema
     shown = {row[1]: float(row[2]) for row in re.finditer(r"\| `(\w+)\(ball, \w+\)` \| ([\d.]+) ", PAGE)}
     assert shown == {p.name: p.tolerance for p in schema.predicates.values() if p.iri.startswith(NAV)}
-    margins = re.search(r"asks for a margin of ([\d.]+) m there and of ([\d.]+) m/s", PAGE).groups()
+    margins = re.search(r"requires margins of ([\d.]+) m and ([\d.]+) m/s", PAGE).groups()
     asked = {b.lifts.removeprefix(NAV): b.goal_margin for b in schema.bindings if b.lifts.startswith(NAV)}
     assert asked == {"at_target": float(margins[0]), "velocity_matches": float(margins[1]), "free_of": 0.0}
 

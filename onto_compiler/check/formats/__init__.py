@@ -1,4 +1,4 @@
-"""How ``onto check`` writes what it found: one module for each format, imported when it is asked for.
+"""The output formats of ``onto check``: one module each, imported when it is used.
 
 Each module has ``render(checked) -> str``. To add a format, add a module and a line to :data:`FORMATS`.
 """
@@ -22,7 +22,7 @@ FORMATS = {
 
 
 def render(name: str, checked: Checked) -> str:
-    """``checked`` in the format called ``name``; text and GitHub have nothing to say of a clean run.
+    """``checked`` in the format called ``name``; text and GitHub print nothing for a clean run.
 
     Raises:
         KeyError: there is no such format.

@@ -1,4 +1,4 @@
-"""What a format is given: the problems, the files that were looked at, and what counts as a failure."""
+"""The input of a format: the problems, the checked files, and what counts as a failure."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ class MazeFacts:
     """Grounds the required facts of ``required`` in states of ``maze``."""
 
     def __init__(self, maze: Maze, required: RequiredABox, knowledge: Knowledge) -> None:
-        """Resolve every fact; raises ``SIM001`` ff. where one names what a maze lacks."""
+        """Resolve every fact; raises ``SIM001`` ff. if one names what a maze lacks."""
         self.maze, self.required, self.scene = maze, required, Scene(maze.model)
         self._grounder = SimGrounder(self.scene, required.facts, knowledge.schema)
         self._data = mujoco.MjData(maze.model)

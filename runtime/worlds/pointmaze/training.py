@@ -75,7 +75,8 @@ def train(
     An interrupted stage resumes where it stopped.
 
     Raises:
-        OntoError: ``WM001`` ff. where an earlier stage's checkpoint is missing or damaged, ``WM006`` if the folder
+        OntoError: ``WM001`` ff. if an earlier stage's checkpoint is missing or damaged, ``WM006`` if the
+        folder
             cannot be written.
     """
     makers = {"projection": _projection, "dynamics": _dynamics, "events": _events, "facts": _facts}

@@ -43,7 +43,7 @@ class PointMaze(SingleSuite):
         return HORIZON
 
     def open(self, ref: TaskRef, required: RequiredABox, schema: Schema, seed: int) -> TaskEnvironment:
-        """The maze of ``ref``; raises ``SIM001`` ff. where a fact names an object that the maze lacks."""
+        """The maze of ``ref``; raises ``SIM001`` ff. if a fact names an object that the maze lacks."""
         from runtime.worlds.pointmaze.opened import OpenMaze  # noqa: PLC0415 - as above
 
         return OpenMaze(ref, required, schema, seed)

@@ -33,7 +33,7 @@ class NativeEnvironment(StateEnvironment):
     """The loop's :class:`~runtime.loop.correction.Environment` over a :class:`NativeTask`; proposals write ``qpos``."""
 
     def __init__(self, task: NativeTask, required: RequiredABox, schema: Schema) -> None:
-        """Resolve the required facts in the task's scene; raises ``SIM001`` ff. where one names what it lacks."""
+        """Resolve the required facts in the task's scene; raises ``SIM001`` ff. if one names what it lacks."""
         super().__init__(task, Scene(task.model), required, schema)
         self._task = task
         self._required = required

@@ -206,7 +206,7 @@ def _same_physics(first: mujoco.MjModel, second: mujoco.MjModel) -> bool:
 
 
 def _sources(env: Any) -> set[Path]:  # noqa: ANN401  robosuite's untyped environment
-    """The descriptions of the scene's objects, wherever they are, and the code of one's own that made them."""
+    """The descriptions of the scene's objects, wherever they are, and the code of your own that made them."""
     entities = (*env.objects, *env.fixtures, env.model.mujoco_arena)
     described = {Path(file).resolve() for entity in entities if (file := getattr(entity, "file", None))}
     return {path for path in described if path.is_file()} | own_files(type(entity) for entity in (env, *entities))

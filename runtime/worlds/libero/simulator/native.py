@@ -120,7 +120,7 @@ class NativeTask(Closing):
     def reset_seeded(self, seed: int) -> None:
         """LIBERO's own reset after ``seed``: to the state in which a new task of that seed begins.
 
-        It takes some milliseconds, as the scene is not built anew. Raises ``SIM016``.
+        It takes some milliseconds, as the scene is not built again. Raises ``SIM016``.
         """
         env = self.env
         start = self._unplaced = self._unplaced or poses_in(env.model.get_xml(), self.model)
@@ -142,7 +142,7 @@ class NativeTask(Closing):
             np.random.set_state(global_state)  # noqa: NPY002  as above
 
     def reset_as_evaluations_do(self, state: ArrayLike) -> None:
-        """LIBERO's own ``reset`` followed by ``set_init_state``: the fixtures are placed anew, and time passes.
+        """LIBERO's own ``reset`` followed by ``set_init_state``: the fixtures are placed again, and time passes.
 
         The flat ``state`` is not validated; use :meth:`reset_to` for runs.
         """

@@ -51,7 +51,7 @@ def _import(name: str, beside: Path) -> None:
     try:
         with quiet():
             importlib.import_module(name)
-    except Exception as error:  # a person's own module may raise anything
+    except Exception as error:  # the user's own module may raise anything
         if isinstance(error, ModuleNotFoundError) and error.name == name:
             found = [path.stem for folder in (beside, Path.cwd()) for path in folder.glob("*.py")]
             hint = near(name, found) or "put it beside the task file or into the working folder, or install it"
@@ -78,7 +78,7 @@ def _listed(start: Path) -> tuple[Path, list[str]]:
 
 
 def place_of(error: BaseException) -> tuple[str, int, int] | None:
-    """File, line and column (from 1; 0 where unknown) in a person's own code where ``error`` arose, if it did."""
+    """File, line and column (from 1; 0 where unknown) in the user's own code where ``error`` arose, if it did."""
     if isinstance(error, SyntaxError) and error.filename is not None:
         return error.filename, error.lineno or 0, error.offset or 0
     frames = traceback.extract_tb(error.__traceback__)
@@ -86,7 +86,7 @@ def place_of(error: BaseException) -> tuple[str, int, int] | None:
 
 
 def own_files(classes: Iterable[type]) -> set[Path]:
-    """The source files of ``classes``, and of the modules of one's own that these have imported."""
+    """The source files of ``classes``, and of the modules of your own that these have imported."""
     start = (sys.modules.get(base.__module__) for each in classes for base in each.__mro__)
     waiting, seen = [module for module in start if module is not None], set()
     while waiting:

@@ -129,7 +129,7 @@ class Player:
     """Plays episodes of one task in its compiled scene."""
 
     def __init__(self, scene: CompiledScene, required: RequiredABox, knowledge: Knowledge) -> None:
-        """Resolve the goal and its preconditions in the scene; raises ``SIM001`` ff. where they name what it lacks."""
+        """Resolve the goal and its preconditions in the scene; raises ``SIM001`` ff. if they name what it lacks."""
         self.scene, self.required, self.knowledge = scene, required, knowledge
         schema = knowledge.schema
         self.grounder = SimGrounder(scene.index, required.facts, schema)

@@ -23,7 +23,7 @@ class NativeReplay(Closing):
     """Replays an episode, one native control step at a time; ``steps`` counts them from :meth:`begin`."""
 
     def __init__(self, task: NativeTask, required: RequiredABox, schema: Schema) -> None:
-        """Use ``task``, which :meth:`close` frees; raises ``SIM001`` ff. where a fact names what it lacks."""
+        """Use ``task``, which :meth:`close` frees; raises ``SIM001`` ff. if a fact names what it lacks."""
         self._task = task
         self._environment = NativeEnvironment(task, required, schema)
         scene = self._environment.scene

@@ -43,7 +43,7 @@ def digest(files: Iterable[Path]) -> str:
 
 
 def cache_folder() -> Path | None:
-    """Where this system keeps a person's caches, in a folder of our own; None if there is no home."""
+    """Our folder in the user's cache directory; None without a home directory."""
     try:
         home = Path.home()
     except RuntimeError:

@@ -190,7 +190,7 @@ def _pattern(iri: str, text: str) -> re.Pattern[str]:
     try:
         pattern = re.compile(re.sub(r"\(\?<(?=\w)", "(?P<", text))
     except re.error as error:
-        raise OntoError.of("SCH001", f"the landmark pattern of {iri} is no regular expression: {error}") from error
+        raise OntoError.of("SCH001", f"the landmark pattern of {iri} is not a regular expression: {error}") from error
     if "landmark" not in pattern.groupindex:
         raise OntoError.of("SCH001", f"the landmark pattern of {iri} has no group `(?<landmark>...)`")
     return pattern
@@ -266,7 +266,9 @@ def _weight(row: Row) -> float:
     except ValueError:
         weight = math.nan
     if not (math.isfinite(weight) and weight >= 0):
-        message = f"the weight {row['weight']} of {local_name(row['field'])} in {row['this']} is no number of 0 or more"
+        message = (
+            f"the weight {row['weight']} of {local_name(row['field'])} in {row['this']} is not a number of 0 or more"
+        )
         raise OntoError.of("SCH001", message, "write a decimal number; see `onto explain SCR002`")
     return weight
 

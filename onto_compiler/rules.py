@@ -114,4 +114,4 @@ def _construct(store: Store, rule: Rule, focus: Sequence[NamedNode]) -> list[Tri
     try:
         return list(cast("QueryTriples", store.query(query, use_default_graph_as_union=True)))
     except SyntaxError as error:
-        raise OntoError.of("RUN001", f"rule {rule.iri} is no SPARQL CONSTRUCT query: {error}") from error
+        raise OntoError.of("RUN001", f"rule {rule.iri} is not a SPARQL CONSTRUCT query: {error}") from error

@@ -63,7 +63,7 @@ def refusal(
         return Refusal("QRY001", message, hint, "SERVICE")
     for graph in _datasets(read, prefixes or {}):
         if graph not in graphs:
-            message = f"`FROM` names <{graph}>, which is not among the graphs that are asked; nothing is fetched"
+            message = f"`FROM` names <{graph}>, which is not among the queried graphs; nothing is fetched"
             return Refusal("QRY003", message, "leave out FROM: all graphs that were read are asked together", "FROM")
     return None
 

@@ -33,7 +33,7 @@ def refuse_impossible(required: RequiredABox, schema: Schema) -> None:
     """Stop before anything is tried for a goal that can never hold.
 
     Raises:
-        OntoError: BDDL024, where a fact shall and shall not hold; BDDL026, where a thing would be on or in itself;
+        OntoError: BDDL024, if a fact must and must not hold; BDDL026 if an object would be on or in itself;
             BDDL027, where two facts exclude each other.
 
     """

@@ -89,7 +89,7 @@ def _split(declarations: Sequence[Declaration]) -> Iterator[Problem]:
     seen: set[str] = set()
     for category, group in groupby(declarations, key=lambda each: each.category):
         if category in seen:
-            message = f"the names of category `{category}` stand in two lists, of which only the last is kept"
+            message = f"the names of category `{category}` are in two lists; readers use only the last"
             hint = f"write them as one list before `- {category}`"
             yield Problem.at(next(group).span, codes.SPLIT_CATEGORY, message, hint, "warning")
         seen.add(category)

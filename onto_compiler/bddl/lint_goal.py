@@ -53,7 +53,7 @@ def _contradicted(way: Way, dialect: Dialect) -> Iterator[Problem]:  # noqa: ARG
     for atom, polarity in way:
         first = wanted.get(_key(atom))
         if not polarity and first is not None:
-            message = f"the goal can never hold: `{atom}` shall and shall not be (line {first.span.line})"
+            message = f"the goal can never hold: `{atom}` must and must not hold (line {first.span.line})"
             yield Problem.at(atom.span, codes.CONTRADICTION, message, "remove one of the two", "warning")
 
 
@@ -82,7 +82,7 @@ def _supported(way: Way, dialect: Dialect) -> Iterator[Problem]:
             first = places.setdefault(what, atom)
             other = first.arguments[1].name
             if other != where:
-                message = f"`{what}` shall {verb} `{where}` and `{other}` (line {first.span.line}) at a time"
+                message = f"`{what}` would have to {verb} `{where}` and `{other}` (line {first.span.line}) at once"
                 yield Problem.at(atom.span, codes.TWO_SUPPORTS, message, "name one place", "warning")
 
 

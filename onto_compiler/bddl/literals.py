@@ -85,7 +85,7 @@ def _empty(formula: Formula) -> list[Problem]:
         case And(parts=()) | Or(parts=()):
             word = type(formula).__name__
             message = f"`({word})` joins nothing, so the goal asks for nothing"
-            return [Problem.at(formula.span, codes.EMPTY_GOAL, message, "name the facts that shall hold")]
+            return [Problem.at(formula.span, codes.EMPTY_GOAL, message, "name the facts that must hold")]
         case And(parts=parts) | Or(parts=parts):
             return [problem for part in parts for problem in _empty(part)]
         case _:

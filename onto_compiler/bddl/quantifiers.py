@@ -39,7 +39,7 @@ def unquantified(formula: Formula, spec: TaskSpec) -> tuple[Formula, tuple[Probl
 def too_many(span: Span) -> Problem:
     """The goal at ``span`` has more alternatives than are kept apart."""
     message = f"the goal has more than {MAX_ALTERNATIVES:,} alternatives"
-    hint = "name the facts that shall hold, or write one task for each way to reach the goal"
+    hint = "name the facts that must hold, or write one task for each way to reach the goal"
     return Problem.at(span, codes.TOO_MANY, message, hint)
 
 

@@ -65,7 +65,7 @@ def _settings(file: Path, table: dict[str, Any]) -> Settings:
     for key, value in table.items():
         if key == "ontology":
             wrong = not isinstance(value, list) or not all(isinstance(one, str) for one in value)
-            fault, hint = "is no list of paths", "write a list of Turtle files or folders"
+            fault, hint = "is not a list of paths", "write a list of Turtle files or folders"
         elif key not in OUTPUTS:
             wrong, fault = True, "is no output of `onto schema`"
             hint = near(key, OUTPUTS) or f"the outputs are {', '.join(OUTPUTS)}"

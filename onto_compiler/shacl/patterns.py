@@ -35,7 +35,7 @@ def matcher(pattern: str, flags: str = "") -> Callable[[str], bool]:
     try:
         expression = re.compile(pattern if "m" in flags else _strict_end(pattern), combined)
     except (re.error, OverflowError, RecursionError) as error:
-        raise ValueError(f"the pattern is no regular expression: {error}") from error
+        raise ValueError(f"the pattern is not a regular expression: {error}") from error
     return lambda text: expression.search(text) is not None
 
 

@@ -24,7 +24,7 @@ def require_format(path: Path) -> None:
     """Raises ``TRC001`` if the ending of ``path`` names no format of a trace that has graphs."""
     if _ending(path) not in _GRAPHS:
         hint = f"end its name in {', '.join(_GRAPHS)}, and in .gz where it is to be packed"
-        raise OntoError.of("TRC001", f"`{path}` is no name of a trace", hint, str(path))
+        raise OntoError.of("TRC001", f"`{path}` is not the name of a trace", hint, str(path))
 
 
 def write_trace(

@@ -23,5 +23,5 @@ def add_identity(parser: argparse.ArgumentParser) -> None:
 def _tag(text: str) -> tuple[str, str]:
     key, equals, value = text.partition("=")
     if not (key and equals):
-        raise argparse.ArgumentTypeError(f"`{text}` is no KEY=VALUE, as in --tag light=dim")
+        raise argparse.ArgumentTypeError(f"`{text}` is not KEY=VALUE, as in --tag light=dim")
     return key, value

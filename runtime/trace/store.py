@@ -238,7 +238,7 @@ def _open_file(source: Path) -> Store:
     rdf_format = _format(source)
     if rdf_format is None:
         hint = f"give a store's folder, or a file that ends in {', '.join(FORMATS)}"
-        raise OntoError.of("TRC002", f"`{source}` is no trace", hint)
+        raise OntoError.of("TRC002", f"`{source}` is not a trace", hint)
     store = Store()
     try:
         data = gzip.decompress(source.read_bytes()) if source.suffix == ".gz" else source.read_bytes()

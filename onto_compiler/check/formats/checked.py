@@ -13,7 +13,7 @@ __all__ = ["Checked"]
 
 @dataclass(frozen=True)
 class Checked:
-    """Problems in file order; ``files`` are all that were checked, clean ones included, as they shall be shown.
+    """Problems in file order; ``files`` are all that were checked, clean ones included, as they are displayed.
 
     ``texts`` holds the text of files that are not (or not yet) on disk in this form.
     """

@@ -73,7 +73,7 @@ class Maze:
         letters = set("".join(self.rows))
         uneven = len({len(row) for row in self.rows}) != 1
         if uneven or letters - set(_WALLS + _FREE) or not letters & set(_FREE):
-            message = f"the maze `{self.name}` is no layout of rows of `#` and `O` of equal length"
+            message = f"the maze `{self.name}` is not a layout of rows of `#` and `O` of equal length"
             raise OntoError.of("PMZ001", message, "`#` is a wall, `O` is free, `G` is free and the goal; see `MAZES`")
 
     @cached_property
@@ -199,7 +199,7 @@ def maze_named(name: str) -> Maze:
     """The maze of that name; raises ``OntoError`` PMZ002 for a name that is none of :data:`MAZES`."""
     if name not in MAZES:
         hint = near(name, MAZES) or f"known: {', '.join(f'`{known}`' for known in MAZES)}"
-        raise OntoError.of("PMZ002", f"`{name}` is no maze", hint)
+        raise OntoError.of("PMZ002", f"`{name}` is not a maze", hint)
     return MAZES[name]
 
 

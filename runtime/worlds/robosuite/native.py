@@ -170,7 +170,7 @@ def _with_regions(environment: Any, spec: TaskSpec) -> Any:  # noqa: ANN401  cla
 def _add_site(world: Any, region: Region) -> None:  # noqa: ANN401  an XML element
     body = world.find(f"./body[@name='{region.target.name}']")
     if body is None:
-        raise OntoError.of("SIM002", f"region `{region.site}` is of `{region.target.name}`, which is no fixture there")
+        raise OntoError.of("SIM002", f"region `{region.site}` is of `{region.target.name}`, not a fixture")
     x0, y0, x1, y1 = region.ranges[0]
     place = ((x0 + x1) / 2, (y0 + y1) / 2, DEPTH_M / 2)
     size = (abs(x1 - x0) / 2, abs(y1 - y0) / 2, DEPTH_M / 2)

@@ -81,7 +81,7 @@ def test_a_fresh_file_is_not_written_again(project, capsys):
         ("[tool]\nonto = 3\n", "cannot be read"),
         ('[tool.onto.schema]\nshackl = "a.ttl"\n', "did you mean `shacl`?"),
         ("[tool.onto.schema]\nshacl = 3\n", "is no path"),
-        ('[tool.onto.schema]\nshacl = "a.ttl"\nontology = "b.ttl"\n', "is no list of paths"),
+        ('[tool.onto.schema]\nshacl = "a.ttl"\nontology = "b.ttl"\n', "is not a list of paths"),
         ("[tool.onto.schema\n", "cannot be read"),
     ],
 )

@@ -115,7 +115,7 @@ def read_audit(path: Path) -> Audit:
     except OSError as error:
         raise OntoError.of("RUN022", f"cannot read `{path}`: {error.strerror}", _HINT, str(path)) from error
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise OntoError.of("RUN022", f"`{path.name}` is no record of `onto audit`", _HINT, str(path)) from error
+        raise OntoError.of("RUN022", f"`{path.name}` is not a record of `onto audit`", _HINT, str(path)) from error
 
 
 def _audit_of(record: dict[str, Any]) -> Audit:

@@ -40,7 +40,7 @@ class LeRobotView(gymnasium.ObservationWrapper[Nested, NDArray[np.float32], Obse
         """Wrap ``env``; raises ``SIM030`` if it lacks the pictures or a part of the state."""
         super().__init__(env)
         if not isinstance(env.unwrapped, LiberoEnv):
-            raise OntoError.of("SIM030", f"{env.unwrapped} is no LIBERO environment", "wrap onto/Libero-v0")
+            raise OntoError.of("SIM030", f"{env.unwrapped} is not a LIBERO environment", "wrap onto/Libero-v0")
         self._libero = env.unwrapped
         known = cast("spaces.Dict", env.observation_space).spaces
         missing = [key for key in (*_PIXELS, *_STATE) if key not in known]

@@ -118,7 +118,7 @@ def _require(options: argparse.Namespace, folder: Path) -> None:
     """Check the options before anything is played."""
     for name in options.row:
         if name not in ROWS:
-            raise OntoError.of("PMZ008", f"`{name}` is no row", near(name, ROWS) or f"rows: {', '.join(ROWS)}")
+            raise OntoError.of("PMZ008", f"`{name}` is not a row", near(name, ROWS) or f"rows: {', '.join(ROWS)}")
     if options.seed < 0 or (options.model is None and options.seed not in SEEDS):
         hint = f"models ship for {', '.join(map(str, SEEDS))}; with another seed from 0, name a --model"
         raise OntoError.of("PMZ008", f"no model ships for seed {options.seed}", hint)
@@ -129,7 +129,9 @@ def _require(options: argparse.Namespace, folder: Path) -> None:
     if options.trace is not None:
         require_format(options.trace)
     if options.picture is not None and options.picture.suffix.lower() != ".html":
-        raise OntoError.of("TRC001", f"`{options.picture}` is no page", "end its name in .html", str(options.picture))
+        raise OntoError.of(
+            "TRC001", f"`{options.picture}` is not an HTML page", "end its name in .html", str(options.picture)
+        )
 
 
 def _played(who: Planner, wanted: Sequence[int], seed: int) -> Iterator[TrialResult]:

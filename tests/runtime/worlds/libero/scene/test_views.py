@@ -172,7 +172,7 @@ def test_lerobot_s_view_wants_pictures_and_a_libero_environment():
     from runtime.worlds.libero.gym.lerobot import LeRobotView
 
     blind = gymnasium.make("runtime.worlds.libero.gym:onto/Libero-v0", task="libero_goal/8")
-    for env, said in ((blind, "agentview_image"), (gymnasium.make("CartPole-v1"), "no LIBERO environment")):
+    for env, said in ((blind, "agentview_image"), (gymnasium.make("CartPole-v1"), "not a LIBERO environment")):
         with pytest.raises(OntoError, match=said):
             LeRobotView(env)
 

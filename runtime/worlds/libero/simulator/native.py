@@ -186,8 +186,14 @@ class NativeTask:
 
     def settle(self, steps: int = 10) -> None:
         """Take ``steps`` control steps without motion: the official initial states hang above the table."""
-        for _ in range(steps):
-            self.step(DUMMY_ACTION)
+        env = self.env
+        observables = env._observables  # noqa: SLF001  robosuite updates them in every substep, and nobody looks
+        env._observables = {}  # noqa: SLF001
+        try:
+            for _ in range(steps):
+                self.step(DUMMY_ACTION)
+        finally:
+            env._observables = observables  # noqa: SLF001
 
     @property
     def judged(self) -> bool:

@@ -86,27 +86,25 @@ def apply_rules(
     """
     allowed = None if focus is None else set(focus)
     concluded: list[Triple] = []
-    instances: dict[str, list[NamedNode]] = {}  # of each target class, until a rule concludes another type
+    known: dict[str, list[NamedNode]] = {}  # the instances of each target class, until a rule concludes a type
     for order in sorted({(rule.shape_order, rule.order) for rule in rules}):
         chosen = [rule for rule in rules if (rule.shape_order, rule.order) == order]
-        fresh = [triple for rule in chosen if rule.general is None for triple in _batch(store, rule, allowed, instances)]
+        fresh = [triple for rule in chosen if rule.general is None for triple in _batch(store, rule, allowed, known)]
         general = [rule.general for rule in chosen if rule.general is not None]
         if general:
             data = Graph.of_store(store)
             fresh += [triple for base in general for triple in base.conclude(data, allowed)]
         store.extend(Quad(t.subject, t.predicate, t.object, graph) for t in fresh)
         if any(triple.predicate in _TYPING for triple in fresh):
-            instances.clear()
+            known.clear()
         concluded += fresh
     return concluded
 
 
-def _batch(
-    store: Store, rule: Rule, allowed: set[NamedNode] | None, instances: dict[str, list[NamedNode]]
-) -> list[Triple]:
-    if rule.target not in instances:
-        instances[rule.target] = _instances(store, rule.target, allowed)
-    return _construct(store, rule, instances[rule.target])
+def _batch(store: Store, rule: Rule, allowed: set[NamedNode] | None, known: dict[str, list[NamedNode]]) -> list[Triple]:
+    if rule.target not in known:
+        known[rule.target] = _instances(store, rule.target, allowed)
+    return _construct(store, rule, known[rule.target])
 
 
 def _instances(store: Store, target: str, allowed: set[NamedNode] | None) -> list[NamedNode]:

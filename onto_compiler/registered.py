@@ -5,9 +5,10 @@ Entry points stand in the metadata of a package, so that they are there whether 
 
 from __future__ import annotations
 
-from importlib.metadata import EntryPoint, entry_points
+from collections.abc import Iterable, Mapping
+from importlib.metadata import EntryPoint, EntryPoints, entry_points
 
-__all__ = ["GROUNDINGS", "SERVING", "package", "points", "route_of"]
+__all__ = ["GROUNDINGS", "SERVING", "package", "points", "points_of", "route_of"]
 
 GROUNDINGS = "onto_evwm.groundings"
 SERVING = {  # by the notation of a route's level: the group, and what its members are called
@@ -21,6 +22,12 @@ def points(group: str) -> tuple[EntryPoint, ...]:
     """The entry points of ``group``, each of a package once, by name and then by package."""
     found = {(point.name, package(point), point.value): point for point in entry_points(group=group)}
     return tuple(found[key] for key in sorted(found))
+
+
+def points_of(groups: Iterable[str]) -> Mapping[str, EntryPoints]:
+    """The entry points of each group, as often as packages name them; the metadata of all packages is read once."""
+    found = entry_points()
+    return {group: found.select(group=group) for group in groups}
 
 
 def route_of(point: EntryPoint) -> str:

@@ -15,7 +15,7 @@ from pyoxigraph import NamedNode, Quad, QuerySolutions, QueryTriples, Store, Tri
 
 from onto_compiler.placed import placed
 from onto_compiler.problems import OntoError
-from onto_compiler.rdf import RDFS, node, prologue
+from onto_compiler.rdf import RDF, RDFS, node, prologue
 from onto_compiler.shacl.graph import Graph
 from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.prebinding import is_joined
@@ -23,6 +23,7 @@ from onto_compiler.shacl.rules import GraphRule, RuleBase, read_rule_base
 
 __all__ = ["Rule", "apply_rules", "read_rules"]
 
+_TYPING = {node(RDF + "type"), node(RDFS + "subClassOf")}
 _FOCUS = "SELECT DISTINCT ?this WHERE { ?this a/rdfs:subClassOf* ?target }"
 
 
@@ -42,14 +43,16 @@ class Rule:
     general: RuleBase | None = None
 
 
-def read_rules(store: Store) -> tuple[Rule, ...]:
+def read_rules(store: Store, graph: Graph | None = None) -> tuple[Rule, ...]:
     """Every rule in ``store`` that is not deactivated, in the order in which they run.
+
+    ``graph`` is the store as a graph, where a caller has read it already.
 
     Raises:
         OntoError: SHP002 if a rule is of a kind that is not known or lacks a part; QRY001 to QRY003 if its
             query must not be run.
     """
-    graph = Graph.of_store(store)
+    graph = Graph.of_store(store) if graph is None else graph
     try:
         base = read_rule_base(graph)
     except ShapeFault as fault:
@@ -83,20 +86,25 @@ def apply_rules(
     """
     allowed = None if focus is None else set(focus)
     concluded: list[Triple] = []
+    known: dict[str, list[NamedNode]] = {}  # the instances of each target class, until a rule concludes a type
     for order in sorted({(rule.shape_order, rule.order) for rule in rules}):
         chosen = [rule for rule in rules if (rule.shape_order, rule.order) == order]
-        fresh = [triple for rule in chosen if rule.general is None for triple in _batch(store, rule, allowed)]
+        fresh = [triple for rule in chosen if rule.general is None for triple in _batch(store, rule, allowed, known)]
         general = [rule.general for rule in chosen if rule.general is not None]
         if general:
             data = Graph.of_store(store)
             fresh += [triple for base in general for triple in base.conclude(data, allowed)]
         store.extend(Quad(t.subject, t.predicate, t.object, graph) for t in fresh)
+        if any(triple.predicate in _TYPING for triple in fresh):
+            known.clear()
         concluded += fresh
     return concluded
 
 
-def _batch(store: Store, rule: Rule, allowed: set[NamedNode] | None) -> list[Triple]:
-    return _construct(store, rule, _instances(store, rule.target, allowed))
+def _batch(store: Store, rule: Rule, allowed: set[NamedNode] | None, known: dict[str, list[NamedNode]]) -> list[Triple]:
+    if rule.target not in known:
+        known[rule.target] = _instances(store, rule.target, allowed)
+    return _construct(store, rule, known[rule.target])
 
 
 def _instances(store: Store, target: str, allowed: set[NamedNode] | None) -> list[NamedNode]:

@@ -16,6 +16,7 @@ from onto_compiler.problems import OntoError
 from onto_compiler.rdf import CORE, RDF, boolean, node, prologue
 from onto_compiler.rules import Rule, apply_rules, read_rules
 from onto_compiler.schema import Schema
+from onto_compiler.shacl.graph import Graph
 
 __all__ = [
     "ABSENT",
@@ -45,6 +46,14 @@ FIRST, REPEAT, EXHAUSTED = ATTEMPT_STATUSES = tuple(
 LEVELS = {
     word: CORE + name for word, name in (("plan", "PlanLevel"), ("state", "StateLevel"), ("action", "ActionLevel"))
 }
+_TYPE, _OBSERVED = node(RDF + "type"), node(CORE + "ObservedFact")
+_FACT, _PREDICATE, _POLARITY, _STATUS, _FAILURE, _ATTEMPT, _LEVEL, _PREVIOUS = (
+    node(CORE + name)
+    for name in (
+        *("fact", "predicate", "polarity", "status"),
+        *("failureClass", "attemptStatus", "requestedLevel", "previousRoute"),
+    )
+)
 _CASES = NamedNode("urn:onto-evwm:cases")
 _DIAGNOSED = """
 SELECT ?this ?failure ?rule ?priority WHERE {
@@ -97,17 +106,19 @@ class Disagreement:
     second: DiagnosisEntry | RouteEntry
 
 
-def compile_tables(store: Store, schema: Schema, disagreements: list[Disagreement] | None = None) -> RuleTables:
+def compile_tables(
+    store: Store, schema: Schema, disagreements: list[Disagreement] | None = None, graph: Graph | None = None
+) -> RuleTables:
     """Run the rules of ``store`` over every combination that ``schema`` allows; ``store`` itself stays as it is.
 
-    Given a list, disagreements are added to it and do not raise.
+    Given a list, disagreements are added to it and do not raise. ``graph`` is as :func:`read_rules` has it.
 
     Raises:
         OntoError: RUN002 if two rules conclude different things of the same combination.
     """
     scratch = Store()
     scratch.extend(iter(store))
-    rules = read_rules(scratch)
+    rules = read_rules(store, graph)
     found: list[Disagreement] = []
     diagnosis = _diagnose(scratch, rules, schema, found)
     routing = _route(scratch, rules, schema, diagnosis, found)
@@ -128,8 +139,8 @@ def _diagnose(
 ) -> dict[DiagnosisKey, DiagnosisEntry]:
     cases: dict[NamedNode, DiagnosisKey] = {}
     for number, key in enumerate(product(schema.predicates, (True, False), STATUSES)):
-        cases[case := NamedNode(f"{_CASES.value}:observed:{number}")] = key
-        scratch.extend(_observed(case, *key))
+        cases[NamedNode(f"{_CASES.value}:observed:{number}")] = key
+    scratch.extend(quad for case, key in cases.items() for quad in _observed(case, *key))
     apply_rules(scratch, rules, _CASES, cases)
     found: dict[DiagnosisKey, DiagnosisEntry] = {}
     for this, failure, rule, priority in _table(scratch, _DIAGNOSED, ("failure", "rule", "priority")):
@@ -153,9 +164,8 @@ def _route(
         routes = [iri for iri, route in schema.routes.items() if route.level == level]
         for number, (pair, status, previous) in enumerate(product(pairs, ATTEMPT_STATUSES, (None, *routes))):
             if routes and (status == FIRST) == (previous is None):
-                case = NamedNode(f"{_CASES.value}:{level}:{number}")
-                cases[case] = (*pair, status, previous, level)
-                scratch.extend(_failed(case, *cases[case]))
+                cases[NamedNode(f"{_CASES.value}:{level}:{number}")] = (*pair, status, previous, level)
+    scratch.extend(quad for case, key in cases.items() for quad in _failed(case, *key))
     apply_rules(scratch, rules, _CASES, cases)
     found: dict[RouteKey, RouteEntry] = {}
     for this, route, decision, rule in _table(scratch, _ROUTED, ("route", "decision", "rule")):
@@ -168,25 +178,25 @@ def _route(
 
 def _observed(case: NamedNode, predicate: str, polarity: bool, status: str) -> Iterator[Quad]:  # noqa: FBT001
     fact = NamedNode(f"{case.value}:fact")
-    yield Quad(fact, node(CORE + "predicate"), node(predicate), _CASES)
-    yield Quad(fact, node(CORE + "polarity"), boolean(polarity), _CASES)
-    yield Quad(case, node(RDF + "type"), node(CORE + "ObservedFact"), _CASES)
-    yield Quad(case, node(CORE + "fact"), fact, _CASES)
-    yield Quad(case, node(CORE + "status"), node(status), _CASES)
+    yield Quad(fact, _PREDICATE, node(predicate), _CASES)
+    yield Quad(fact, _POLARITY, boolean(polarity), _CASES)
+    yield Quad(case, _TYPE, _OBSERVED, _CASES)
+    yield Quad(case, _FACT, fact, _CASES)
+    yield Quad(case, _STATUS, node(status), _CASES)
 
 
 def _failed(
     case: NamedNode, predicate: str, failure: str, status: str, previous: str | None, level: str
 ) -> Iterator[Quad]:
     fact = NamedNode(f"{case.value}:fact")
-    yield Quad(fact, node(CORE + "predicate"), node(predicate), _CASES)
-    yield Quad(case, node(RDF + "type"), node(failure), _CASES)
-    yield Quad(case, node(CORE + "failureClass"), node(failure), _CASES)
-    yield Quad(case, node(CORE + "fact"), fact, _CASES)
-    yield Quad(case, node(CORE + "attemptStatus"), node(status), _CASES)
-    yield Quad(case, node(CORE + "requestedLevel"), node(LEVELS[level]), _CASES)
+    yield Quad(fact, _PREDICATE, node(predicate), _CASES)
+    yield Quad(case, _TYPE, node(failure), _CASES)
+    yield Quad(case, _FAILURE, node(failure), _CASES)
+    yield Quad(case, _FACT, fact, _CASES)
+    yield Quad(case, _ATTEMPT, node(status), _CASES)
+    yield Quad(case, _LEVEL, node(LEVELS[level]), _CASES)
     if previous is not None:
-        yield Quad(case, node(CORE + "previousRoute"), node(previous), _CASES)
+        yield Quad(case, _PREVIOUS, node(previous), _CASES)
 
 
 def _table(store: Store, query: str, names: Iterable[str]) -> Iterator[tuple[NamedNode, str, str, str]]:

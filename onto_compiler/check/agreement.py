@@ -38,7 +38,7 @@ def check_agreement(model: Model) -> Iterator[Finding]:
     disagreements: list[Disagreement] = []
     try:
         schema = compile_schema(model.store)
-        tables = compile_tables(model.store, schema, disagreements)
+        tables = compile_tables(model.store, schema, disagreements, model.graph)
     except (OntoError, ValueError):  # a declaration that does not compile is a finding of another check
         return
     yield from check_coverage(model, schema, tables)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from pyoxigraph import NamedNode
 
@@ -11,7 +11,7 @@ from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model
 from onto_compiler.problems import near
 from onto_compiler.rdf import CORE
-from onto_compiler.registered import GROUNDINGS, SERVING, points, route_of
+from onto_compiler.registered import GROUNDINGS, SERVING, points_of, route_of
 from onto_compiler.schema import local_name
 
 __all__ = ["check_bindings"]
@@ -56,8 +56,9 @@ def check_bindings(model: Model) -> Iterator[Finding]:
                 _PATTERN,
                 row["pattern"],
             )
-    yield from _unregistered(model)
-    yield from _unserved(model)
+    registered = points_of((GROUNDINGS, *(group for group, _ in SERVING.values())))
+    yield from _unregistered(model, {point.name for point in registered[GROUNDINGS]})
+    yield from _unserved(model, {group: set(map(route_of, found)) for group, found in registered.items()})
 
 
 def _back(text: str, position: int) -> int:
@@ -66,9 +67,8 @@ def _back(text: str, position: int) -> int:
     return max(min(position - grown, len(text) - 1), 0)
 
 
-def _unregistered(model: Model) -> Iterator[Finding]:
+def _unregistered(model: Model, known: set[str]) -> Iterator[Finding]:
     """Grounding names that no installed package registers."""
-    known = {point.name for point in points(GROUNDINGS)}
     for row in model.rows(_GROUNDED):
         name = row["name"].value
         if name not in known:
@@ -83,14 +83,11 @@ def _unregistered(model: Model) -> Iterator[Finding]:
             )
 
 
-def _unserved(model: Model) -> Iterator[Finding]:
-    """Routes that no installed package has a proposer, a skill or a mechanism for."""
-    served: dict[str, set[str]] = {}  # by group: reading the metadata of every package takes milliseconds
+def _unserved(model: Model, served: Mapping[str, set[str]]) -> Iterator[Finding]:
+    """Routes that no installed package has a proposer, a skill or a mechanism for, ``served`` by its group."""
     for row in model.rows(_ROUTES):
         group, what = SERVING.get(row["level"].value, ("", ""))
         name = row["notation"].value if "notation" in row else local_name(row["route"].value)
-        if group and group not in served:
-            served[group] = {route_of(point) for point in points(group)}
         known = served.get(group, {name})
         if name not in known:
             yield Finding(

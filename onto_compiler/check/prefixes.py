@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from difflib import SequenceMatcher
 
 from onto_compiler.check.model import Model
 from onto_compiler.problems import Problem, Span
@@ -27,7 +26,7 @@ def check_prefixes(model: Model) -> Iterator[Problem]:
             column = match.start(1) - text.rfind("\n", 0, match.start(1))
             span = Span(str(path), line, column, line, column + len(name) + 1)
             usual = PREFIXES.get(name, namespace)
-            if usual != namespace and SequenceMatcher(None, usual, namespace).ratio() >= _SIMILAR:
+            if usual != namespace and _similar(usual, namespace):
                 yield Problem.at(
                     span,
                     "TTL008",
@@ -42,3 +41,9 @@ def check_prefixes(model: Model) -> Iterator[Problem]:
                     "remove the declaration",
                     "warning",
                 )
+
+
+def _similar(usual: str, namespace: str) -> bool:
+    from difflib import SequenceMatcher  # noqa: PLC0415 - few files need it
+
+    return SequenceMatcher(None, usual, namespace).ratio() >= _SIMILAR

@@ -9,7 +9,7 @@ import re
 from datetime import UTC, datetime, timedelta
 from decimal import Decimal
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import isnan
 
 from pyoxigraph import Literal
@@ -66,8 +66,7 @@ _BOUNDS: dict[str, tuple[int | None, int | None]] = {
     "unsignedLong": (0, 2**64 - 1),
     "unsignedShort": (0, 2**16 - 1),
 }
-_FORMS = {name: re.compile(pattern, re.ASCII if name != "NCName" else 0) for name, pattern in _PATTERNS.items()}
-_FORMS |= {name: re.compile(_PATTERNS[name]) for name in ("Name", "NCName", "NMTOKEN")}
+_ANY_LETTER = {"Name", "NCName", "NMTOKEN"}
 _EXACT = {"integer", "decimal", *_BOUNDS}
 _TIMES = {"date", "dateTime", "dateTimeStamp", "time"}
 _DURATIONS = {"dayTimeDuration", "yearMonthDuration"}
@@ -75,6 +74,13 @@ _FOURTEEN_HOURS = Fraction(14 * 3600)
 _DURATION = re.compile(r"(-)?P(?:(\d+)Y)?(?:(\d+)M)?(?:(\d+)D)?(?:T(?:(\d+)H)?(?:(\d+)M)?(?:(\d+(?:\.\d+)?)S)?)?")
 
 Key = tuple[str, object, bool]  # what it may be compared with, the value, and whether a time has a zone
+
+
+@cache
+def _form(name: str) -> re.Pattern[str] | None:
+    """The lexical forms of a datatype, compiled when they are first asked for; None outside XML Schema."""
+    pattern = _PATTERNS.get(name)
+    return None if pattern is None else re.compile(pattern, 0 if name in _ANY_LETTER else re.ASCII)
 
 
 @lru_cache(maxsize=65536)
@@ -85,18 +91,16 @@ def is_well_formed(literal: Literal) -> bool:
         return literal.language is not None
     name = datatype.removeprefix(XSD)
     text = literal.value
-    if name in _BOUNDS:
-        if _FORMS["integer"].fullmatch(text) is None:
-            return False
-        least, most = _BOUNDS[name]
-        number = Decimal(text)
-        return (least is None or number >= least) and (most is None or number <= most)
-    form = _FORMS.get(name)
+    form = _form("integer" if name in _BOUNDS else name)
     if form is None:
         return True
     match = form.fullmatch(text)
     if match is None:
         return False
+    if name in _BOUNDS:
+        least, most = _BOUNDS[name]
+        number = Decimal(text)
+        return (least is None or number >= least) and (most is None or number <= most)
     return name not in {"date", "dateTime", "dateTimeStamp"} or int(match["day"]) <= _days(match)
 
 
@@ -150,7 +154,8 @@ def _inexact(text: str) -> Key | None:
 
 def _timestamp(kind: str, text: str) -> Key | None:
     """Seconds on a line; years before 1 and beyond 9999 are placed by whole cycles of 400 years."""
-    match = _FORMS["dateTime" if kind == "dateTime" else kind].fullmatch(text)
+    form = _form(kind)
+    match = None if form is None else form.fullmatch(text)
     if match is None:
         return None
     parts = match.groupdict()

@@ -10,6 +10,7 @@ import re
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from typing import NamedTuple, cast
 
 from onto_compiler.problems import Span
@@ -21,38 +22,44 @@ _MORE = (  # letters of PN_CHARS that are none to Python: combining characters, 
     r"\u00b7\u02c2-\u02df\u02e5-\u02eb\u02ed\u02ef-\u02ff\u0300-\u037d\u037f-\u167f\u1681-\u1fff\u200c\u200d\u203f\u2040"
     r"\u2070-\u218f\u2c00-\u2fef\u3001-\ud7ff\uf900-\ufdcf\ufdf0-\ufffd\U00010000-\U000effff"
 )
-_LOCAL = rf"(?:[\w:\-{_MORE}]|%[0-9A-Fa-f]{{2}}|\\[_~.\-!$&'()*+,;=/?\#@%]|\.++(?=[\w:\-%\\{_MORE}]))*+"
-_HEAD = rf"(?:[^\W\d]|[{_MORE}])(?:[\w\-{_MORE}]|\.++(?=[\w\-{_MORE}]))*+"
-_BLANK = rf"_:[\w{_MORE}](?:[\w\-.{_MORE}]*[\w\-{_MORE}])?"
-_TOKEN = re.compile(
-    r"""
-    (?:\s++|\#[^\n\r]*+)*+(?:
-      (?P<iri><(?:[^\x00-\x20<>"{}|^`\\]|\\u[0-9A-Fa-f]{4}|\\U[0-9A-Fa-f]{8})*>)
-    | (?P<string>\"{3}(?:\"{0,2}+(?:[^"\\]|\\.))*+\"{3}|'{3}(?:'{0,2}+(?:[^'\\]|\\.))*+'{3}
-        |(?!\"{3}|'{3})(?:"(?:[^"\\\n\r]|\\.)*+"|'(?:[^'\\\n\r]|\\.)*+'))
-    | (?P<unterminated>\"{3}|'{3}|"|')
-    | (?P<at>@[A-Za-z]+(?:-[A-Za-z0-9]+)*)
-    | (?P<datatype>\^\^)
-    | (?P<blank>"""
-    + _BLANK
-    + r""")
-    | (?P<variable>[?$]\w+)
-    | (?P<number>[+-]?(?:\d+\.\d*[eE][+-]?\d+|\.\d+[eE][+-]?\d+|\d+[eE][+-]?\d+|\d*\.\d+|\d+))
-    | (?P<name>(?:"""
-    + _HEAD
-    + r")?:"
-    + _LOCAL
-    + r""")
-    | (?P<word>"""
-    + _HEAD
-    + r""")
-    | (?P<mark>.)
-    )""",
-    re.VERBOSE | re.DOTALL,
-)
+_ONE_MORE = r"\u00b7"  # stands for them all where the text is ASCII and has none
 _LINE_END = re.compile(r"[\n\r]|\Z")
 _ESCAPE = re.compile(r"\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|(.))", re.DOTALL)
 _SIMPLE = {"t": "\t", "b": "\b", "n": "\n", "r": "\r", "f": "\f"}
+
+
+@cache
+def _token(more: str) -> re.Pattern[str]:
+    """The pattern of a token; ``more`` are the letters beside Python's own. Such large sets take long to compile."""
+    local = rf"(?:[\w:\-{more}]|%[0-9A-Fa-f]{{2}}|\\[_~.\-!$&'()*+,;=/?\#@%]|\.++(?=[\w:\-%\\{more}]))*+"
+    head = rf"(?:[^\W\d]|[{more}])(?:[\w\-{more}]|\.++(?=[\w\-{more}]))*+"
+    blank = rf"_:[\w{more}](?:[\w\-.{more}]*[\w\-{more}])?"
+    return re.compile(
+        r"""
+        (?:\s++|\#[^\n\r]*+)*+(?:
+          (?P<iri><(?:[^\x00-\x20<>"{}|^`\\]|\\u[0-9A-Fa-f]{4}|\\U[0-9A-Fa-f]{8})*>)
+        | (?P<string>\"{3}(?:\"{0,2}+(?:[^"\\]|\\.))*+\"{3}|'{3}(?:'{0,2}+(?:[^'\\]|\\.))*+'{3}
+            |(?!\"{3}|'{3})(?:"(?:[^"\\\n\r]|\\.)*+"|'(?:[^'\\\n\r]|\\.)*+'))
+        | (?P<unterminated>\"{3}|'{3}|"|')
+        | (?P<at>@[A-Za-z]+(?:-[A-Za-z0-9]+)*)
+        | (?P<datatype>\^\^)
+        | (?P<blank>"""
+        + blank
+        + r""")
+        | (?P<variable>[?$]\w+)
+        | (?P<number>[+-]?(?:\d+\.\d*[eE][+-]?\d+|\.\d+[eE][+-]?\d+|\d+[eE][+-]?\d+|\d*\.\d+|\d+))
+        | (?P<name>(?:"""
+        + head
+        + r")?:"
+        + local
+        + r""")
+        | (?P<word>"""
+        + head
+        + r""")
+        | (?P<mark>.)
+        )""",
+        re.VERBOSE | re.DOTALL,
+    )
 
 
 class Token(NamedTuple):
@@ -94,7 +101,8 @@ class SourceText:
 def tokens(text: str) -> Iterator[Token]:
     """Every token of ``text`` that is neither space nor a comment."""
     at = 0
-    while (match := _TOKEN.match(text, at)) is not None:
+    pattern = _token(_ONE_MORE if text.isascii() else _MORE)
+    while (match := pattern.match(text, at)) is not None:
         kind = match.lastgroup or "mark"
         start, at = match.span(kind)
         yield Token(kind, match[kind], start, at)

@@ -1,7 +1,7 @@
 """Let robosuite compile each scene only once: repeated requests get copies of one model.
 
-LIBERO compiles when it makes an environment and again at every reset, and the tasks of one room differ in no word of
-their MJCF. A copy takes a third of the time, and is equal to the last bit.
+LIBERO compiles when it makes an environment and again at every reset that builds the scene anew, and the tasks of one
+room differ in no word of their MJCF. A copy takes a third of the time, and is equal to the last bit.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from functools import partial
 from typing import Any
 
 import mujoco
+
+from runtime.worlds.fixtures import FixturePoses
 
 __all__ = ["SceneCompiler", "install"]
 
@@ -41,13 +43,18 @@ class SceneCompiler:
 
 
 def install() -> None:
-    """After the import of robosuite: let its simulations take their models from one :class:`SceneCompiler`."""
+    """After the import of robosuite: let its simulations take their models from one :class:`SceneCompiler`.
+
+    Each model then also says where its bodies stood before anything was placed: ``compiled_poses``.
+    """
     simulation = importlib.import_module("robosuite.utils.binding_utils").MjSim
     compiler = SceneCompiler()
 
     def from_xml_string(cls: Any, xml: str) -> Any:  # noqa: ANN401  an untyped package's class
-        made = cls(compiler(xml))
+        model = compiler(xml)
+        made = cls(model)
         made.model.get_xml = partial(_saved, xml, made.model)
+        made.model.compiled_poses = FixturePoses(model.body_pos.copy(), model.body_quat.copy())
         return made
 
     simulation.from_xml_string = classmethod(from_xml_string)

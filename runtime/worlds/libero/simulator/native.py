@@ -16,12 +16,13 @@ from onto_compiler.closing import Closing
 from onto_compiler.problems import OntoError, near
 from onto_compiler.required import NativeAtom
 from runtime.worlds import snapshot
-from runtime.worlds.fixtures import FixturePoses, poses_in
+from runtime.worlds.fixtures import FixturePoses
 from runtime.worlds.flat_state import FlatStates, write_qpos
 from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.build_fault import build_fault
 from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, randomization_error
+from runtime.worlds.libero.simulator.own_code import own_files
 from runtime.worlds.native_import import quiet
 from runtime.worlds.snapshot import BAD_NUMBERS, Snapshot
 
@@ -63,7 +64,7 @@ class NativeTask(Closing):
                 _until_placed(build, crowded)
                 self._control.seed(seed)
                 # LIBERO's own reset tries again for ever, and after any exception.
-                _until_placed(self._control.env.reset, crowded)
+                _until_placed(self._reset_in_place if self._is_built_alike else self.env.reset, crowded)
             except Exception as error:  # LIBERO has no exceptions of its own: a bad file may raise any
                 raise build_fault(error, bddl) from error
             finally:
@@ -74,7 +75,6 @@ class NativeTask(Closing):
             # Every step asks for success as well, and LIBERO asserts that it knows the predicate.
             self.env.parsed_problem["goal_state"] = []
         self._fresh = self.snapshot()
-        self._unplaced: FixturePoses | None = None  # where fixtures stand before a reset places them
 
     @classmethod
     def open(cls, ref: TaskRef, seed: int = 0) -> Self:
@@ -122,24 +122,36 @@ class NativeTask(Closing):
 
         It takes some milliseconds, as the scene is not built again. Raises ``SIM016``.
         """
-        env = self.env
-        start = self._unplaced = self._unplaced or poses_in(env.model.get_xml(), self.model)
-
-        def reset() -> None:
-            self.model.body_pos[:], self.model.body_quat[:] = start.body_pos, start.body_quat
-            env.reset()
-
         global_state = np.random.get_state()  # noqa: NPY002  robosuite samples from numpy's global generator
-        env.hard_reset = False
         try:
             with quiet():
                 self._control.seed(seed)
-                _until_placed(reset, randomization_error())
+                _until_placed(self._reset_in_place, randomization_error())
         except randomization_error() as error:
             raise build_fault(error, self.bddl) from error
         finally:
-            env.hard_reset = True
             np.random.set_state(global_state)  # noqa: NPY002  as above
+
+    def _reset_in_place(self) -> None:
+        """LIBERO's own reset of the scene that is there, from where its bodies stood before they were placed."""
+        env = self.env
+        start: FixturePoses = env.sim.model.compiled_poses
+        self.model.body_pos[:], self.model.body_quat[:] = start.body_pos, start.body_quat
+        env.hard_reset = False
+        try:
+            env.reset()
+        finally:
+            env.hard_reset = True
+
+    @property
+    def _is_built_alike(self) -> bool:
+        """Whether a reset that builds the scene anew would build the same, and draw no number more.
+
+        LIBERO adds each sampler of a joint once more whenever it builds, and objects of one's own may draw as well.
+        """
+        env = self.env
+        things = (env, *env.objects, *env.fixtures, env.model.mujoco_arena)
+        return not env.object_property_initializers and not own_files(map(type, things))
 
     def reset_as_evaluations_do(self, state: ArrayLike) -> None:
         """LIBERO's own ``reset`` followed by ``set_init_state``: the fixtures are placed again, and time passes.
@@ -166,8 +178,14 @@ class NativeTask(Closing):
 
     def settle(self, steps: int = 10) -> None:
         """Take ``steps`` control steps without motion: the official initial states hang above the table."""
-        for _ in range(steps):
-            self.step(DUMMY_ACTION)
+        env = self.env
+        observables = env._observables  # noqa: SLF001  robosuite updates them in every substep, and nobody looks
+        env._observables = {}  # noqa: SLF001
+        try:
+            for _ in range(steps):
+                self.step(DUMMY_ACTION)
+        finally:
+            env._observables = observables  # noqa: SLF001
 
     @property
     def judged(self) -> bool:

@@ -44,6 +44,7 @@ def control_env() -> Any:  # noqa: ANN401  a class of an untyped package
             message = f"LIBERO is installed but cannot be imported: {error}"
             raise OntoError.of("SIM010", message, 'install what it needs: pip install "onto-evwm[sim]"') from error
     mass_matrix.mend()
+    mass_matrix.use_one_layout()
     compiled_once.install()
     # robosuite collects garbage whenever it drops a simulation, and would go through all that was imported each time.
     gc.freeze()

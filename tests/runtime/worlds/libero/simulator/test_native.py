@@ -82,6 +82,35 @@ def test_a_seed_fixes_the_fixtures_and_leaves_the_global_generator_alone(ref, na
     assert np.array_equal(np.random.get_state()[1], before)  # noqa: NPY002
 
 
+@pytest.mark.parametrize(
+    ("suite", "index", "seed"), [("libero_goal", 4, 0), ("libero_10", 0, 1), ("libero_10", 3, 0), ("libero_90", 1, 2)]
+)
+def test_a_task_begins_as_after_libero_s_own_reset_that_builds_the_scene_anew(suite, index, seed):
+    from runtime.worlds import snapshot
+    from runtime.worlds.libero.simulator.assets import find_task
+    from runtime.worlds.libero.simulator.native import NativeTask
+    from runtime.worlds.libero.simulator.native_import import control_env
+    from runtime.worlds.native_import import quiet
+
+    ref = find_task(suite, index)
+    with quiet():
+        np.random.seed(seed)  # noqa: NPY002  LIBERO samples from it
+        plain = control_env()(
+            bddl_file_name=str(ref.bddl), use_camera_obs=False, has_renderer=False, has_offscreen_renderer=False
+        )
+        plain.seed(seed)
+        plain.env.reset()
+    theirs = snapshot.take(plain.env)
+    with NativeTask.open(ref, seed) as task:
+        ours = task.snapshot()
+        for name in ("integration", "body_pos", "body_quat", "gripper_action"):
+            assert np.array_equal(getattr(ours, name), getattr(theirs, name)), name
+        assert ours.controller.keys() == theirs.controller.keys()
+        assert all(np.array_equal(ours.controller[name], theirs.controller[name]) for name in ours.controller)
+    with quiet():
+        plain.close()
+
+
 def test_writing_qpos_moves_and_stills_only_what_it_changes(native, state):
     from grounding.scenes import Scene
 

@@ -13,8 +13,11 @@ from collections import defaultdict
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 LIST = Path(__file__).with_name("slow.txt")
+settings.register_profile("untimed", deadline=None)  # speed is measured in benchmarks, not by tests
+settings.load_profile("untimed")
 LIMIT = 1.0  # seconds of processor time of a function's tests, or of one set-up that others share
 _HEAD = "# Made by `pytest --measure-slow`; see tests/conftest.py. A file stands for all its tests.\n"
 

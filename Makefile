@@ -47,7 +47,7 @@ demo: .venv/sim  ## run the main job: ten LIBERO-Goal tasks, diagnosed, repaired
 	$(BIN)/onto demo
 
 test: .venv/test  ## run all tests
-	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
 
 check: .venv/dev  ## format, lint, types, and the ontology
 	$(BIN)/ruff format --check .

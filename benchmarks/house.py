@@ -75,7 +75,7 @@ def _suite() -> Row:
     with tempfile.TemporaryDirectory() as folder:
         clone = Path(folder) / "clone"
         subprocess.run(["git", "clone", "--quiet", str(ROOT), str(clone)], check=True)  # noqa: S603, S607
-        command = [sys.executable, "-m", "pytest", "-n", "2", "--dist", "loadgroup", "-q", "--durations=40"]
+        command = [sys.executable, "-m", "pytest", "-n", "2", "--dist", "loadfile", "-q", "--durations=40"]
         command += ["--hypothesis-profile=ci", "-p", "no:cacheprovider"]
         started = time.perf_counter()
         done = subprocess.run(  # noqa: S603

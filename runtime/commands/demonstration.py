@@ -87,7 +87,7 @@ def _show(runner: EpisodeRunner, state: int, cameras: Cameras | None) -> _Shown:
     runner.start(state)
     if cameras is None:
         return _Shown(runner.correct(state), None)
-    camera = cameras.of(runner.environment.model)
+    camera = cameras.of(runner.environment.textured())
     before = camera.shoot(runner.environment.data)
     episode = runner.correct(state)
     return _Shown(episode, (before, camera.shoot(runner.environment.data)))

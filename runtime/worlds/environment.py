@@ -48,6 +48,10 @@ class TaskEnvironment(Environment, Protocol):
         """The compiled scene."""
         ...
 
+    def textured(self) -> mujoco.MjModel:
+        """The scene as pictures of its states need it, which may be :attr:`model`."""
+        ...
+
     @property
     def data(self) -> mujoco.MjData:
         """The live state."""
@@ -155,6 +159,10 @@ class StateEnvironment(ABC):
     def model(self) -> mujoco.MjModel:
         """The compiled scene."""
         return self._native.model
+
+    def textured(self) -> mujoco.MjModel:
+        """The scene as pictures of its states need it."""
+        return self.model
 
     @property
     def data(self) -> mujoco.MjData:

@@ -5,7 +5,7 @@ import pytest
 from benchmarks.protocol import untimed
 from benchmarks.simulator import SIMULATOR, TASKS
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("simulator_rows")]
+pytestmark = pytest.mark.sim
 
 METRICS = {
     "exact_max_qpos_error",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
 import sys
@@ -41,16 +42,35 @@ def test_what_was_compiled_is_found_again(call, tmp_path):
     assert call(tmp_path / "kept") == (["42", "1"], "")
 
 
+@pytest.fixture
+def anew(tmp_path, monkeypatch):
+    """Call the function as a module that was just imported has it, with compiled code in `tmp_path`: as above."""
+    from numba.core import config
+
+    monkeypatch.setattr(config, "CACHE_DIR", str(tmp_path / "kept"))
+    monkeypatch.setattr(config, "CACHE_LOCATOR_CLASSES", "UserProvidedCacheLocator")
+
+    def run():
+        spec = importlib.util.spec_from_file_location("twice", tmp_path / "twice.py")
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module.twice(21), sum(module.twice.stats.cache_hits.values())
+
+    return run
+
+
 @pytest.mark.parametrize("ending", ["nbi", "nbc"])
 @pytest.mark.parametrize("size", [0, 20])
-def test_a_truncated_file_is_compiled_again_and_replaced(call, tmp_path, ending, size):
-    call(tmp_path / "kept")
+@pytest.mark.usefixtures("call")
+def test_a_truncated_file_is_compiled_again_and_replaced(anew, tmp_path, caplog, ending, size):
+    assert anew() == (42, 0)
     (path,) = (tmp_path / "kept").rglob(f"*.{ending}")
     os.truncate(path, size)
-    found, said = call(tmp_path / "kept")
-    assert found == ["42", "0"]
-    assert "compiled again" in said
-    assert call(tmp_path / "kept") == (["42", "1"], "")
+    assert anew() == (42, 0)
+    assert "compiled again" in caplog.text
+    caplog.clear()
+    assert anew() == (42, 1)
+    assert caplog.text == ""
 
 
 def test_without_a_folder_each_process_compiles(call, tmp_path):

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.probing import CLOSE, GOAL_TASKS, OTHER_TASKS
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("native_equality")]
+pytestmark = pytest.mark.sim
 
 PREDICATES = {"Close", "In", "On", "Open", "Turnoff", "Turnon"}
 

@@ -81,31 +81,26 @@ def test_every_asset_that_can_open_or_turn_has_its_thresholds_declared(assets, t
 def test_the_index_of_every_scene_is_libero_s_own(suite):
     from grounding.scenes import Scene
     from runtime.worlds.libero.simulator.assets import tasks
-    from runtime.worlds.libero.simulator.native_import import control_env
-    from runtime.worlds.native_import import quiet
+    from runtime.worlds.libero.simulator.native import NativeTask
 
     compared = 0
     assert len(tasks(suite)) == 10
     for ref in tasks(suite):
-        with quiet():
-            control = control_env()(
-                bddl_file_name=str(ref.bddl), use_camera_obs=False, has_renderer=False, has_offscreen_renderer=False
-            )
-        env, model = control.env, control.sim.model._model
-        scene = Scene(model)
-        things = {**env.fixtures_dict, **env.objects_dict}
-        assert set(scene.entities) == set(things)
-        for name, thing in things.items():
-            assert model.body(scene.root_body(name)).name == thing.root_body
-            assert {model.geom(int(g)).name for g in scene.contact_geoms(name)} == set(thing.contact_geoms)
-            assert [model.joint(int(j)).name for j in scene.joints(name)] == list(thing.joints)
-            compared += 1
-        for name, region in env.object_sites_dict.items():
-            assert scene.site_parent(name) == region.parent_name
-            assert [model.joint(int(j)).name for j in scene.joints(name)] == list(region.joints or ())
-            assert np.array_equal(model.site_size[scene.site(name)], np.asarray(region.size, dtype=np.float64))
-            compared += 1
-        control.close()
+        with NativeTask.open(ref) as native:
+            env, model = native.env, native.model
+            scene = Scene(model)
+            things = {**env.fixtures_dict, **env.objects_dict}
+            assert set(scene.entities) == set(things)
+            for name, thing in things.items():
+                assert model.body(scene.root_body(name)).name == thing.root_body
+                assert {model.geom(int(g)).name for g in scene.contact_geoms(name)} == set(thing.contact_geoms)
+                assert [model.joint(int(j)).name for j in scene.joints(name)] == list(thing.joints)
+                compared += 1
+            for name, region in env.object_sites_dict.items():
+                assert scene.site_parent(name) == region.parent_name
+                assert [model.joint(int(j)).name for j in scene.joints(name)] == list(region.joints or ())
+                assert np.array_equal(model.site_size[scene.site(name)], np.asarray(region.size, dtype=np.float64))
+                compared += 1
     assert compared >= 100
 
 

@@ -17,7 +17,7 @@ from runtime.trace.store import open_trace
 from runtime.trace.summary import verdict
 from runtime.worlds.libero.simulator.assets import find_task, initial_states
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
+pytestmark = pytest.mark.sim
 # A shell that runs the tests in the background lets its children ignore SIGINT.
 HEAR = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
 ROOT = Path(__file__).resolve().parents[3]

@@ -10,7 +10,7 @@ from onto_compiler.command import CLEAN, FINDINGS, MISUSE
 from runtime.cli import main
 from runtime.worlds.libero.simulator.assets import find_task
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
+pytestmark = pytest.mark.sim
 STOVE = "libero_goal/put_the_bowl_on_the_stove"
 OTHER = 23
 STEPS = 30

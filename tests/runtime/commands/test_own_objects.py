@@ -10,7 +10,7 @@ from onto_compiler.problems import OntoError
 from runtime.cli import main
 from runtime.worlds.libero.simulator.assets import find_task
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
+pytestmark = pytest.mark.sim
 MODULE = """
 import os
 import {helper}

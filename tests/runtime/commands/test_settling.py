@@ -13,7 +13,7 @@ from runtime.worlds.episodes import EpisodeRunner
 from runtime.worlds.libero.simulator.assets import initial_states
 from runtime.worlds.world import named_task
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
+pytestmark = pytest.mark.sim
 PLATE = "libero_goal/8"
 SPEED = 2.0  # m/s
 

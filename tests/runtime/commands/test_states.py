@@ -9,7 +9,7 @@ from onto_compiler.command import CLEAN, FINDINGS, MISUSE
 from runtime.cli import main
 from runtime.worlds.libero.simulator.assets import find_task, initial_states
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
+pytestmark = pytest.mark.sim
 ABOVE = 0.20
 PLATE = "libero_goal/8"
 

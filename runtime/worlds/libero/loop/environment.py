@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -37,6 +38,10 @@ class NativeEnvironment(StateEnvironment):
         super().__init__(task, Scene(task.model), required, schema)
         self._task = task
         self._required = required
+
+    def textured(self) -> mujoco.MjModel:
+        """The scene with its textures, compiled anew."""
+        return self._task.textured()
 
     @property
     def judged(self) -> bool:

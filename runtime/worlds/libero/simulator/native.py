@@ -21,6 +21,7 @@ from runtime.worlds.flat_state import FlatStates, write_qpos
 from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.build_fault import build_fault
+from runtime.worlds.libero.simulator.compiled_once import with_textures, without_textures
 from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, randomization_error
 from runtime.worlds.libero.simulator.own_code import own_files
 from runtime.worlds.native_import import quiet
@@ -33,7 +34,7 @@ PLACEMENTS = 10
 
 
 class NativeTask(Closing):
-    """One LIBERO task in its native environment, without pictures.
+    """One LIBERO task in its native environment, without pictures: its model has no textures.
 
     Fixtures are placed at random when the environment resets; ``seed`` fixes them. The state after that reset is kept,
     and every :meth:`reset_to` starts from it, so that what LIBERO's flat state leaves out (the gripper's current
@@ -58,7 +59,7 @@ class NativeTask(Closing):
                 ignore_done=True,  # the horizon is the caller's
             )
 
-        with quiet():
+        with quiet(), without_textures():
             try:
                 np.random.seed(seed)  # noqa: NPY002  as above
                 _until_placed(build, crowded)
@@ -95,6 +96,10 @@ class NativeTask(Closing):
     def model(self) -> mujoco.MjModel:
         """The compiled scene."""
         return self.env.sim.model._model  # noqa: SLF001  robosuite wraps the model and gives no other access
+
+    def textured(self) -> mujoco.MjModel:
+        """The compiled scene as pictures need it: another model, which differs in nothing that moves."""
+        return with_textures(self.env.model.get_xml(), self.model)
 
     @property
     def data(self) -> mujoco.MjData:
@@ -158,7 +163,7 @@ class NativeTask(Closing):
 
         The flat ``state`` is not validated; use :meth:`reset_to` for runs.
         """
-        with quiet():
+        with quiet(), without_textures():
             self._control.reset()
             self._control.set_init_state(np.array(state, dtype=np.float64))
 

@@ -11,7 +11,7 @@ from onto_compiler.command import FINDINGS, MISUSE
 from runtime.cli import main
 from runtime.trace.store import open_trace
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
+pytestmark = pytest.mark.sim
 
 
 def run(capsys, *arguments):

@@ -5,7 +5,7 @@ import json
 import pytest
 
 pytest.importorskip("h5py")
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("demos")]
+pytestmark = pytest.mark.sim
 
 
 def onto(*words):

@@ -7,7 +7,7 @@ import pytest
 from onto_compiler.problems import OntoError
 
 h5py = pytest.importorskip("h5py")
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("demos")]
+pytestmark = pytest.mark.sim
 
 
 ELSEWHERE = 1e-4

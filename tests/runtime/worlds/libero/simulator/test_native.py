@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
 from onto_compiler.required import NativeAtom
+from runtime.worlds.fixtures import poses_in
 from tests.faults import fault
 
 pytestmark = pytest.mark.sim
@@ -242,3 +245,21 @@ def test_the_versions_that_decide_a_result_are_told():
     from runtime.worlds.libero.simulator.native import versions
 
     assert {"python", "numpy", "mujoco", "robosuite"} <= set(versions())
+
+
+@pytest.mark.parametrize(("suite", "task"), [("libero_goal", 8), ("libero_10", 9)])
+def test_textures_are_all_that_a_scene_that_is_not_drawn_lacks(suite, task):
+    from runtime.worlds.libero.simulator.assets import find_task
+    from runtime.worlds.libero.simulator.native import NativeTask
+
+    with NativeTask.open(find_task(suite, task)) as one:
+        bare, whole, saved = one.model, one.textured(), one.env.sim.model.get_xml()
+    assert (bare.ntex, whole.ntex > 0) == (0, True)
+    of_textures = ("tex_", "name", "mat_texid", "_sizes")  # names have their places behind those of textures
+    for name in dir(whole):
+        first, second = getattr(whole, name), getattr(bare, name)
+        if isinstance(first, np.ndarray) and not name.startswith(of_textures):
+            assert np.array_equal(first, second, equal_nan=first.dtype.kind == "f"), name
+    assert len(re.findall("<texture ", saved)) == whole.ntex
+    written = poses_in(saved, bare)
+    assert np.allclose(written.body_pos, bare.body_pos, atol=1e-5)  # MJCF has six digits

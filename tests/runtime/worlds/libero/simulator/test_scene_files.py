@@ -13,7 +13,7 @@ import pytest
 
 from runtime.worlds.libero.simulator.scene_cache import SceneCache
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("scene_files")]
+pytestmark = pytest.mark.sim
 
 STEP = """
 import hashlib, json, logging, sys

@@ -15,7 +15,7 @@ from onto_compiler.shapes import compile_shapes, validate
 from onto_compiler.sources import load_store
 from onto_compiler.tables import FIRST, REPEAT
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("skill_episodes")]
+pytestmark = pytest.mark.sim
 
 MUG = "STUDY_SCENE1_pick_up_the_yellow_and_white_mug_and_place_it_to_the_right_of_the_caddy"
 

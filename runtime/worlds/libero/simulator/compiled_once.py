@@ -13,7 +13,7 @@ import copy
 import importlib
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextvars import ContextVar
 from functools import partial
 from typing import Any
@@ -27,6 +27,7 @@ __all__ = ["SceneCompiler", "install", "with_textures", "without_textures"]
 _FILES = re.compile(r'file="([^"]+)"')
 _WRITTEN = ("body_pos", "body_quat", "site_rgba")  # by LIBERO, after a scene was compiled
 _BARE: ContextVar[bool] = ContextVar("bare", default=False)
+Compiler = Callable[[str], mujoco.MjModel]
 Key = tuple[str, bool, tuple[tuple[int, int], ...]]
 
 
@@ -60,9 +61,9 @@ def without_textures() -> Iterator[None]:
         _BARE.reset(token)
 
 
-def with_textures(xml: str, model: mujoco.MjModel) -> mujoco.MjModel:
+def with_textures(xml: str, model: mujoco.MjModel, compiler: Compiler | None = None) -> mujoco.MjModel:
     """Another model of ``xml`` with its textures, and with what LIBERO has written into ``model``."""
-    whole = mujoco.MjModel.from_xml_string(xml)
+    whole = (compiler or mujoco.MjModel.from_xml_string)(xml)
     for name in _WRITTEN:
         getattr(whole, name)[:] = getattr(model, name)
     return whole

@@ -21,7 +21,7 @@ from runtime.worlds.flat_state import FlatStates, write_qpos
 from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.assets import TaskRef
 from runtime.worlds.libero.simulator.build_fault import build_fault
-from runtime.worlds.libero.simulator.compiled_once import with_textures, without_textures
+from runtime.worlds.libero.simulator.compiled_once import SceneCompiler, with_textures, without_textures
 from runtime.worlds.libero.simulator.native_import import control_env, predicate_names, randomization_error
 from runtime.worlds.libero.simulator.own_code import own_files
 from runtime.worlds.native_import import quiet
@@ -31,6 +31,8 @@ __all__ = ["NativeTask", "versions"]
 
 PLACEMENTS = 10
 """Attempts to sample object placements before a crowded scene counts as impossible."""
+
+_DRAWN = SceneCompiler()
 
 
 class NativeTask(Closing):
@@ -99,7 +101,7 @@ class NativeTask(Closing):
 
     def textured(self) -> mujoco.MjModel:
         """The compiled scene as pictures need it: another model, which differs in nothing that moves."""
-        return with_textures(self.env.model.get_xml(), self.model)
+        return with_textures(self.env.model.get_xml(), self.model, _DRAWN)
 
     @property
     def data(self) -> mujoco.MjData:

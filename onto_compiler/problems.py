@@ -6,11 +6,9 @@ the command line prints without a traceback.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from dataclasses import dataclass, field
 import difflib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -84,8 +82,6 @@ class OntoError(Exception):
 
 def near(name: str, known: Iterable[str]) -> str:
     """``did you mean `x`?`` for the closest of ``known``, or an empty string."""
-    import difflib  # noqa: PLC0415 - few runs need it, and every one imports this module
-
     match = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
     return f"did you mean `{match[0]}`?" if match else ""
 

@@ -50,7 +50,7 @@ def read_rules(store: Store, graph: Graph | None = None) -> tuple[Rule, ...]:
     ``graph`` is the store as a graph, where a caller has read it already.
 
     Raises:
-        OntoError: SHP002, where a rule is of a kind that is not known or lacks a part; QRY001 to QRY003, where its
+        OntoError: SHP002 if a rule is of a kind that is not known or lacks a part; QRY001 to QRY003 if its
             query must not be run.
     """
     graph = Graph.of_store(store) if graph is None else graph

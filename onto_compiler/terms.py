@@ -11,7 +11,7 @@ from onto_compiler.problems import clipped
 from onto_compiler.rdf import PREFIXES, RDF, RDFS, SH, XSD
 from onto_compiler.shacl.values import is_well_formed
 
-__all__ = ["Namespaces", "Said", "ShapeOf", "Term", "say", "show", "text_of"]
+__all__ = ["Namespaces", "Sentence", "ShapeOf", "Term", "sentence", "show", "text_of"]
 
 Term = NamedNode | BlankNode | Literal | Triple
 Namespaces = Iterable[tuple[str, str]]
@@ -25,7 +25,7 @@ class ShapeOf:
     node: Term
 
 
-Said = str | tuple[str | Term | ShapeOf, ...]
+Sentence = str | tuple[str | Term | ShapeOf, ...]
 """A sentence: text, and the terms and shapes that are named in it once it is known where it is read."""
 
 _COMMON = (("rdf", RDF), ("rdfs", RDFS), ("xsd", XSD), ("sh", SH))
@@ -54,7 +54,7 @@ def show(term: Term, namespaces: Namespaces = ()) -> str:
             return "[]"
 
 
-def say(said: Said, name: Callable[[Term], str], shape: Callable[[Term], str]) -> str:
+def sentence(said: Sentence, name: Callable[[Term], str], shape: Callable[[Term], str]) -> str:
     """A sentence with each of its terms as ``name`` calls it, in backticks, and each shape as ``shape`` does."""
     if isinstance(said, str):
         return said

@@ -143,7 +143,7 @@ def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
     else:
         seconds = time.perf_counter() - begin
         number = counted(len(report.files), "file")
-        _say(f"no problem found in {number} ({report.triples:,} triples), {seconds:.2f} s")
+        _log(f"no problem found in {number} ({report.triples:,} triples), {seconds:.2f} s")
     return FINDINGS if checked.failures else CLEAN
 
 

@@ -22,7 +22,7 @@ from onto_compiler.shacl.paths import read_path
 from onto_compiler.shacl.report import record
 from onto_compiler.shacl.severity import level
 from onto_compiler.shacl.validate import validate_graph
-from onto_compiler.terms import say, show
+from onto_compiler.terms import sentence, show
 from onto_compiler.turtle.source_map import Located, SourceMap, read_map
 from onto_compiler.turtle.tokens import SourceText
 
@@ -201,7 +201,7 @@ class _Writer:
         if span is None and parameter is not None:
             span = self.shapes.predicate(fault.shape, parameter)
         span = span or self.shapes.subject(fault.shape)
-        code, message, hint = fault.told
+        code, message, hint = fault.fields
         if span is None:  # of a format without places
             file = self.shapes.file_of(fault.shape) or self.shapes.documents[0].path
             return Problem.at(Span(str(file)), code, f"{message}{_within(fault)}", hint)
@@ -249,7 +249,7 @@ class _Writer:
     def _message(self, result: ShapeResult, file: str) -> str:
         if result.message:
             return result.message
-        expected = say(result.expected, partial(self._shown, file=file), self._shape)
+        expected = sentence(result.expected, partial(self._shown, file=file), self._shape)
         path = f"`{self._path(result.path, file)}`" if result.path is not None else ""
         if result.value is not None and result.value != result.focus:
             value = f"`{self.data.shown(result.value, file)}`"

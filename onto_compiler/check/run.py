@@ -30,7 +30,7 @@ from onto_compiler.shacl.naming import shape_id, shape_label, shape_name
 from onto_compiler.shacl.report import record
 from onto_compiler.shacl.severity import level
 from onto_compiler.shacl.validate import validate_graph
-from onto_compiler.terms import Said, say, show
+from onto_compiler.terms import Sentence, sentence, show
 from onto_compiler.validator.engine import with_implications
 
 __all__ = ["Report", "Validated", "check", "check_model"]
@@ -126,9 +126,9 @@ def _sentence(model: Model, result: ShapeResult) -> tuple[str, dict[str, Term | 
         return f"{{part{len(values) - 1}}}"
 
     named = partial(shape_name, model.graph, name=slot)
-    said: Said = result.message or result.expected
+    said: Sentence = result.message or result.expected
     parts = (said,) if isinstance(said, str) else said
-    text = say(tuple(slot(part) if isinstance(part, str) else part for part in parts), slot, named)
+    text = sentence(tuple(slot(part) if isinstance(part, str) else part for part in parts), slot, named)
     return (text if result.code else f"violates {named(result.shape)}: {text}"), values
 
 

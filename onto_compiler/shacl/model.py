@@ -12,7 +12,7 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.paths import Path
 from onto_compiler.shacl.prebinding import Query
-from onto_compiler.terms import Said
+from onto_compiler.terms import Sentence
 
 __all__ = [
     "Annotation",
@@ -89,7 +89,7 @@ class ShapeResult:
     severity: str = "Violation"  # local name, or the IRI of the user's own severity
     code: str = ""
     hint: str = ""
-    expected: Said = ""
+    expected: Sentence = ""
     messages: tuple[Literal, ...] = ()  # what the author wrote, in every language
     constraint: Term | None = None  # a ``sh:sparql`` constraint of the shape
     annotations: tuple[tuple[NamedNode, Term], ...] = ()  # properties of the result (``sh:resultAnnotation``)
@@ -137,7 +137,7 @@ class PerValue:
 
     component: str
     test: Callable[[Run, Term], bool]
-    expected: Said
+    expected: Sentence
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,7 +146,7 @@ class Whole:
 
     component: str
     find: Callable[[Run, Term, Sequence[Term]], Iterable[Term | None]]
-    expected: Said
+    expected: Sentence
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,7 +155,7 @@ class Custom:
 
     component: str
     find: Callable[[Run, Term, Sequence[Term]], Iterable[Hit]]
-    expected: Said
+    expected: Sentence
     message: str = ""
     code: str = ""
     hint: str = ""

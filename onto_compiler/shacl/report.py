@@ -13,7 +13,7 @@ from onto_compiler.shacl.model import ShapeResult
 from onto_compiler.shacl.naming import path_text, shape_name
 from onto_compiler.shacl.paths import describe, read_path
 from onto_compiler.shacl.severity import severity_iri
-from onto_compiler.terms import say, show
+from onto_compiler.terms import sentence, show
 
 __all__ = ["component_iri", "record", "report", "term_record"]
 
@@ -66,7 +66,7 @@ def _messages(result: ShapeResult, shapes: Graph) -> tuple[Literal, ...]:
     def shape(node: Term) -> str:
         return shape_name(shapes, node, show)
 
-    return (Literal(say(result.expected, show, shape)),)
+    return (Literal(sentence(result.expected, show, shape)),)
 
 
 def _described(results: Sequence[ShapeResult], shapes: Graph) -> Iterator[Triple]:

@@ -71,7 +71,7 @@ def sparql_check(reader: Reader, shape: Term, path: Path | None, constraint: Ter
 
 def sparql_custom(reader: Reader, constraint: Term, find: Find) -> Custom:
     """The check of a ``sh:sparql`` constraint whose violations ``find`` yields."""
-    message, code, hint = reader.spoken(constraint)
+    message, code, hint = reader.texts(constraint)
     messages, annotations = reader.messages(constraint), _annotations(reader, constraint)
     said = "must not be selected by a query"
     return Custom(_SPARQL, find, said, message, code, hint, messages, constraint, annotations)

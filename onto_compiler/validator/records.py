@@ -18,7 +18,7 @@ from onto_compiler.shacl.overlay import Overlay
 from onto_compiler.shacl.severity import level
 from onto_compiler.shacl.validate import validate_graph
 from onto_compiler.sources import collect, read_into
-from onto_compiler.terms import say, show
+from onto_compiler.terms import sentence, show
 from onto_compiler.validator.engine import with_implications
 from ontology import turtle_files
 
@@ -121,7 +121,7 @@ def problem_of(result: ShapeResult, home: Term, name: Callable[[Term], str], spa
 
     ``home`` is the shape to name (:meth:`Validator.home`).
     """
-    expected = result.message or say(result.expected, show, _shape)
+    expected = result.message or sentence(result.expected, show, _shape)
     if not result.message and isinstance(result.path, NamedNode):
         expected = f"violates `{shorten(result.path.value)}`: {expected}"
     found = f", and has {name(result.value)}" if result.value is not None and result.path is not None else ""

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
 
 from onto_compiler.rdf import XSD
-from onto_compiler.terms import ShapeOf, say, show, text_of
+from onto_compiler.terms import ShapeOf, sentence, show, text_of
 
 EX = "http://example.org/"
 A, B = NamedNode(EX + "a"), NamedNode(EX + "b")
@@ -65,6 +65,6 @@ def test_what_is_shown_reads_back(term):
 
 def test_a_sentence_names_its_terms_and_shapes():
     said = ("must be one of ", A, ", ", Literal("1"), " or meet ", ShapeOf(BlankNode("s")))
-    words = say(said, lambda term: show(term, PREFIXES), lambda _: "the node shape at 3:4")
+    words = sentence(said, lambda term: show(term, PREFIXES), lambda _: "the node shape at 3:4")
     assert words == 'must be one of `ex:a`, `"1"` or meet the node shape at 3:4'
-    assert say("must be", str, str) == "must be"
+    assert sentence("must be", str, str) == "must be"

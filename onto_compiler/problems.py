@@ -6,7 +6,6 @@ the command line prints without a traceback.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -82,6 +81,8 @@ class OntoError(Exception):
 
 def near(name: str, known: Iterable[str]) -> str:
     """``did you mean `x`?`` for the closest of ``known``, or an empty string."""
+    import difflib  # noqa: PLC0415 - few runs need it, and every one imports this module
+
     match = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
     return f"did you mean `{match[0]}`?" if match else ""
 

@@ -69,8 +69,8 @@ def _function(name: NamedNode, known: Functions, query: Query, names: Sequence[s
         try:
             answer = ask(known.data.store, query, dict(zip(names, arguments, strict=False)), known)
         except SyntaxError as error:
-            said = " ".join(str(error).partition(", [")[0].split())
-            raise ShapeFault(f"the function {name} cannot run: {said}", name) from error
+            reason = " ".join(str(error).partition(", [")[0].split())
+            raise ShapeFault(f"the function {name} cannot run: {reason}", name) from error
         if answer.kind == "construct":
             raise ShapeFault(f"the function {name} is neither a SELECT nor an ASK query", name)
         first = next(iter(answer.rows), None)

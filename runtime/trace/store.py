@@ -146,7 +146,7 @@ class Trace:
     _written: LexicalStore | None = field(default=None, repr=False)  # the same, where the store spells values again
 
     def query(self, sparql: str, *, name: str = "", file: str = "") -> Answer:
-        """Ask the trace, all graphs together; raises as :func:`runtime.trace.sparql.ask`."""
+        """Query the trace, all graphs together; raises as :func:`runtime.trace.sparql.ask`."""
         return ask(self._written or self.store, sparql, name=name, file=file)
 
     def episodes(self) -> tuple[str, ...]:

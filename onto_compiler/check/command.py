@@ -107,7 +107,11 @@ def _once(arguments: argparse.Namespace) -> int:
         if arguments.report is not None and report.validation is not None:
             from onto_compiler.check.report import write_report  # noqa: PLC0415
 
-            write_report(arguments.report, report.validation)
+            try:
+                write_report(arguments.report, report.validation)
+            except OntoError as error:  # what was found is printed all the same
+                _print(arguments, replace(report, problems=(*report.problems, *error.problems)), begin)
+                return MISUSE
         return _print(arguments, report, begin)
     report = check_all(arguments.paths)
     if arguments.reasoner == "hermit":

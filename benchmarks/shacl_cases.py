@@ -30,6 +30,7 @@ from onto_compiler.shacl.model import ShapeResult
 from onto_compiler.shacl.paths import describe, read_path
 from onto_compiler.shacl.rules import read_rule_base
 from onto_compiler.shacl.validate import validate_graph
+from onto_compiler.terms import text_of
 
 __all__ = ["RuleCase", "ShaclCase", "corpus", "rule_cases", "run_rule_case", "run_shacl_case", "shacl_cases"]
 
@@ -91,7 +92,7 @@ def _entries(path: Path, root: Path) -> Iterator[ShaclCase]:
                 name = entry.value.removeprefix(root.as_uri() + "/")
                 yield ShaclCase(name, path, entry)
     for included in graph.objects(manifest, _INCLUDE):
-        yield from _entries(_path_of(included.value), root)
+        yield from _entries(_path_of(text_of(included)), root)
 
 
 def run_shacl_case(case: ShaclCase) -> str:
@@ -99,7 +100,7 @@ def run_shacl_case(case: ShaclCase) -> str:
     manifest = _read(case.file)
     (action,) = manifest.objects(case.node, _ACTION)
     (expected,) = manifest.objects(case.node, _RESULT)
-    files = [_path_of(next(iter(manifest.objects(action, part))).value) for part in (_DATA, _SHAPES)]
+    files = [_path_of(text_of(next(iter(manifest.objects(action, part))))) for part in (_DATA, _SHAPES)]
     graphs = {path: manifest if path == case.file else _read(path) for path in set(files)}
     data, shapes_graph = (graphs[path] for path in files)
     try:
@@ -111,7 +112,7 @@ def run_shacl_case(case: ShaclCase) -> str:
     own = set(files) == {case.file}
     wanted = list(_expected(manifest, expected, own=own))
     found = list(_reported(shapes_graph, results, own=own))
-    conforms = next(iter(manifest.objects(expected, NamedNode(SH + "conforms")))).value == "true"
+    conforms = text_of(next(iter(manifest.objects(expected, NamedNode(SH + "conforms"))))) == "true"
     if conforms != (not results):
         return f"conforms is {not results}"
     return "" if _canonical(wanted) == _canonical(found) else _difference(wanted, found)
@@ -178,7 +179,7 @@ def rule_cases(root: Path) -> Iterator[RuleCase]:
     for path in sorted((root / "dash_tests" / "rules").rglob("*.ttl")):
         graph = _read(path)
         for case in graph.instances(NamedNode(_DASH + "InferencingTestCase")):
-            yield RuleCase(case.value, path)
+            yield RuleCase(text_of(case), path)
 
 
 def run_rule_case(case: RuleCase) -> str:
@@ -186,7 +187,7 @@ def run_rule_case(case: RuleCase) -> str:
     shapes = _read(case.file)
     data = _read(case.file)
     for imported in shapes.values(_IMPORTS):
-        beside = case.file.parent / f"{imported.value.rpartition('/')[2]}.ttl"
+        beside = case.file.parent / f"{text_of(imported).rpartition('/')[2]}.ttl"
         if beside.is_file():
             for triple in _read(beside):
                 data.add(triple)

@@ -139,7 +139,7 @@ def _quiet() -> Iterator[None]:
         logger.setLevel(level)
 
 
-def _plain(term: Term | None) -> object:
+def _plain(term: Term | Triple | None) -> object:
     """A term as both agree on it: no blank node's name, no lexical form."""
     if term is None or isinstance(term, BlankNode):
         return None if term is None else "blank"

@@ -27,6 +27,7 @@ from onto_compiler.required_rdf import entity_iri, required_quads
 from onto_compiler.schema import Schema
 from onto_compiler.shacl.graph import Term
 from onto_compiler.sources import collect, load_store
+from onto_compiler.terms import text_of
 from onto_compiler.validator.records import Validator, problem_of, record_validator
 
 __all__ = ["Batch", "FileResult", "available_jobs", "compile_files", "task_files"]
@@ -185,7 +186,7 @@ def _violations(abox: RequiredABox, schema: Schema, validator: Validator) -> Ite
     names, spans = _places(abox)
 
     def name(term: Term) -> str:
-        return f"`{names.get(term.value, term.value)}`"
+        return f"`{names.get(text_of(term), text_of(term))}`"
 
     try:
         results = validator.validate(required_quads(abox, schema, _TOP))
@@ -194,7 +195,7 @@ def _violations(abox: RequiredABox, schema: Schema, validator: Validator) -> Ite
         yield Problem(abox.source, 0, 0, "ABX004", "error", str(error), hint)
         return
     for result in results:
-        span = spans.get(result.focus.value, Span(abox.source))
+        span = spans.get(text_of(result.focus), Span(abox.source))
         yield problem_of(result, validator.home(result.shape), name, span)
 
 

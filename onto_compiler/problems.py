@@ -6,10 +6,11 @@ the command line prints without a traceback.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 __all__ = ["OntoError", "Problem", "Span", "clipped", "near", "render", "render_all"]
 
@@ -43,16 +44,18 @@ class Problem:
     hint: str = ""
     end_line: int = 0  # the end is exclusive; 0 where only the start is known
     end_column: int = 0
+    result: Mapping[str, Any] | None = field(default=None, compare=False, repr=False)  # of SHACL, as JSON has it
 
     @classmethod
     def at(cls, span: Span, code: str, message: str, hint: str = "", severity: str = "error") -> Problem:
         """Build a problem at ``span``."""
         return cls(span.file, span.line, span.column, code, severity, message, hint, span.end_line, span.end_column)
 
-    def as_dict(self) -> dict[str, str | int]:
+    def as_dict(self) -> dict[str, Any]:
         """The record that ``--format json`` prints."""
         names = ("code", "severity", "file", "line", "column", "message", "hint")
-        return {name: getattr(self, name) for name in names}
+        record = {name: getattr(self, name) for name in names}
+        return record if self.result is None else record | {"result": dict(self.result)}
 
 
 class OntoError(Exception):

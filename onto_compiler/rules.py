@@ -20,6 +20,7 @@ from onto_compiler.shacl.graph import Graph
 from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.prebinding import is_joined
 from onto_compiler.shacl.rules import GraphRule, RuleBase, read_rule_base
+from onto_compiler.terms import text_of
 
 __all__ = ["Rule", "apply_rules", "read_rules"]
 
@@ -65,13 +66,13 @@ def _rules(graph: Graph, base: RuleBase, one: GraphRule) -> Iterator[Rule]:
     """A batched rule for each of its classes, or else one rule with all its targets."""
     shape_order, order = one.order
     labels = graph.objects(one.iri, node(RDFS + "label"))
-    label = next(iter(labels), one.iri).value
-    classes = [target.term.value for target in one.targets if target.kind == "class"]
+    label = text_of(next(iter(labels), one.iri))
+    classes = [text_of(target.term) for target in one.targets if target.kind == "class"]
     if one.text and not one.conditions and len(classes) == len(one.targets) and is_joined(one.text, "this"):
-        yield from (Rule(one.iri.value, label, order, cls, one.text, shape_order) for cls in classes)
+        yield from (Rule(text_of(one.iri), label, order, cls, one.text, shape_order) for cls in classes)
     else:
         alone = RuleBase((one,), base.shapes)
-        yield Rule(one.iri.value, label, order, next(iter(classes), ""), one.text, shape_order, alone)
+        yield Rule(text_of(one.iri), label, order, next(iter(classes), ""), one.text, shape_order, alone)
 
 
 def apply_rules(

@@ -49,6 +49,12 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         default="rl",
         help="what finds contradictions: OWL 2 RL rules, or HermiT as well, which runs on Java (default: rl)",
     )
+    parser.add_argument(
+        "--report",
+        type=Path,
+        metavar="FILE",
+        help="also write the W3C's SHACL validation report of --shapes: FILE.ttl or FILE.jsonld",
+    )
     acting = parser.add_mutually_exclusive_group()
     acting.add_argument("--fix", action="store_true", help="repair what is mechanical, in the files themselves")
     acting.add_argument("--diff", action="store_true", help="print what --fix would change, and change nothing")
@@ -57,12 +63,28 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
 
 
 def _check(arguments: argparse.Namespace) -> int:
+    if arguments.format == "text":
+        return _checked(arguments)
+    try:
+        return _checked(arguments)
+    except OntoError as error:  # whoever reads a format finds it in every case
+        sys.stdout.write(render(arguments.format, Checked(error.problems, (), arguments.fail_on)))
+        raise
+
+
+def _checked(arguments: argparse.Namespace) -> int:
     paths: Sequence[Path] = arguments.paths
     missing = [path for path in (*paths, *arguments.shapes) if not path.exists()]
     for path in missing:
         _log(f"onto check: `{path}` does not exist")
     if missing:
+        hint = "give an existing file, or a folder that holds some"
+        found = (Problem(str(path), 0, 0, "TTL002", "error", f"`{path}` does not exist", hint) for path in missing)
+        if arguments.format != "text":
+            sys.stdout.write(render(arguments.format, Checked(tuple(sorted(found)), (), arguments.fail_on)))
         return MISUSE
+    if arguments.report is not None:
+        _refuse_report(arguments)
     if (arguments.fix or arguments.diff) and not paths:
         raise OntoError.of("CLI002", "the shipped ontology is not repaired in place", "say which files to repair")
     if arguments.shapes and (arguments.fix or arguments.diff):
@@ -81,7 +103,16 @@ def _once(arguments: argparse.Namespace) -> int:
     if arguments.shapes:
         from onto_compiler.check.data import check_data  # noqa: PLC0415
 
-        return _print(arguments, check_data(arguments.paths, arguments.shapes), begin)
+        report = check_data(arguments.paths, arguments.shapes)
+        if arguments.report is not None and report.validation is not None:
+            from onto_compiler.check.report import write_report  # noqa: PLC0415
+
+            try:
+                write_report(arguments.report, report.validation)
+            except OntoError as error:  # what was found is printed all the same
+                _print(arguments, replace(report, problems=(*report.problems, *error.problems)), begin)
+                return MISUSE
+        return _print(arguments, report, begin)
     report = check_all(arguments.paths)
     if arguments.reasoner == "hermit":
         from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
@@ -90,16 +121,33 @@ def _once(arguments: argparse.Namespace) -> int:
     return _print(arguments, report, begin)
 
 
+def _refuse_report(arguments: argparse.Namespace) -> None:
+    """Say why ``--report`` cannot be written, before anything is validated."""
+    from onto_compiler.check.report import ENDINGS  # noqa: PLC0415
+
+    if not arguments.shapes:
+        raise OntoError.of("CLI002", "--report is given without --shapes", "say which shapes to validate with")
+    if arguments.report.suffix.lower() not in ENDINGS:
+        hint = f"name a file that ends in {' or '.join(ENDINGS)}"
+        raise OntoError.of("CLI002", f"`{arguments.report}` has no ending that says how to write it", hint)
+
+
 def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
     problems = tuple(_relative(problem) for problem in report.problems)
-    checked = Checked(problems, tuple(_shown(path) for path in report.files), arguments.fail_on)
+    repaired = {}
+    if arguments.format == "sarif" and arguments.paths and not arguments.shapes:
+        from onto_compiler.check.fix import repairs  # noqa: PLC0415 - only this format has them
+
+        repaired = {_relative(problem): repair for problem, repair in repairs(report, arguments.paths).items()}
+    files = tuple(_shown(path) for path in report.files)
+    checked = Checked(problems, files, arguments.fail_on, repairs=repaired)
     sys.stdout.write(render(arguments.format, checked))
     if problems:
         _log(_summary(problems))
     else:
         seconds = time.perf_counter() - begin
-        files = counted(len(report.files), "file")
-        _log(f"no problem found in {files} ({report.triples:,} triples), {seconds:.2f} s")
+        number = counted(len(report.files), "file")
+        _log(f"no problem found in {number} ({report.triples:,} triples), {seconds:.2f} s")
     return FINDINGS if checked.failures else CLEAN
 
 

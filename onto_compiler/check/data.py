@@ -14,7 +14,7 @@ from urllib.parse import unquote, urlparse
 from pyoxigraph import NamedNode, RdfFormat, parse
 
 from onto_compiler.check.documents import ENDINGS, Document
-from onto_compiler.check.run import Report
+from onto_compiler.check.run import Report, Validated
 from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import OWL
@@ -59,7 +59,7 @@ def check_data(paths: Sequence[Path | str], shapes: Sequence[Path | str]) -> Rep
         from onto_compiler.check.data_places import place  # noqa: PLC0415 - a clean run needs no places
 
         problems += place(data, known, results, faults)
-    return Report(tuple(sorted(set(problems))), files, len(graph))
+    return Report(tuple(sorted(set(problems))), files, len(graph), Validated(results, compiled.graph, not faults))
 
 
 def _graph(documents: Iterable[Document]) -> Graph:

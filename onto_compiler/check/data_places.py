@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Triple
 
 from onto_compiler.check.documents import Document
 from onto_compiler.problems import Problem, Span
-from onto_compiler.rdf import RDF, SH, XSD, shorten
+from onto_compiler.rdf import RDF, SH
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import ShapeFault, ShapeResult
-from onto_compiler.shacl.paths import read_path, sparql_path
+from onto_compiler.shacl.naming import path_text, shape_id, shape_label, shape_name
+from onto_compiler.shacl.paths import read_path
+from onto_compiler.shacl.report import record
+from onto_compiler.shacl.severity import level
 from onto_compiler.shacl.validate import validate_graph
-from onto_compiler.shacl.values import is_well_formed
+from onto_compiler.terms import sentence, show
 from onto_compiler.turtle.source_map import Located, SourceMap, read_map
+from onto_compiler.turtle.tokens import SourceText
 
 __all__ = ["place"]
 
 _TYPE = NamedNode(RDF + "type")
-_BARE = {"boolean", "decimal", "double", "integer"}  # what Turtle writes without quotation marks
-_LONG = 60  # characters of a value that a sentence shows
+_UNKNOWN = re.compile(r'sh:prefix "([^"]*)" ; sh:namespace "\.\.\."')
 
 
 def place(
@@ -139,27 +145,21 @@ class _Places:
 
     def shown(self, term: Term, file: str = "") -> str:
         """A term with the prefixes of ``file``, or of whichever document has one that fits."""
-        if isinstance(term, Literal):
-            return self._literal(term, file)
-        if isinstance(term, BlankNode):
-            return "[]"
         own = [source_map for path, source_map in self.maps.items() if str(path) == file]
-        for source_map in (*own, *self.maps.values()):
-            for prefix in source_map.declared:
-                rest = term.value.removeprefix(prefix.namespace)
-                if prefix.namespace and rest and rest != term.value and not set(rest) & set("/#"):
-                    return f"{prefix.name}:{rest}"
-        short = shorten(term.value)
-        return short if short != term.value else f"<{term.value}>"
+        return show(term, ((one.name, one.namespace) for each in (*own, *self.maps.values()) for one in each.declared))
 
-    def _literal(self, term: Literal, file: str) -> str:
-        text = term.value if len(term.value) <= _LONG else f"{term.value[:_LONG]}…"
-        kind = term.datatype.value.removeprefix(XSD)
-        if term.language is not None:
-            return f'"{text}"@{term.language}'
-        if kind in _BARE and is_well_formed(term):
-            return text
-        return f'"{text}"' if kind == "string" else f'"{text}"^^{self.shown(term.datatype, file)}'
+    def place_of(self, node: Term) -> str:
+        """Line and column of a node, with its file where there are several; empty where it has none."""
+        span = self.subject(node)
+        if span is None:
+            return ""
+        file = "" if len(self.documents) == 1 else f"{_relative(span.file)}:"
+        return f"{file}{span.line}:{span.column}"
+
+    def within(self, subject: Term, value: Term) -> Span | None:
+        """Where ``value`` stands as a value of ``subject``, whatever the property."""
+        found = (spot for spot in self._objects.get(value, ()) if spot.located.subject == subject)
+        return self._span(next(found, None), "object")
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,14 +170,27 @@ class _Writer:
     def problem(self, result: ShapeResult) -> Problem:
         """One result as a problem."""
         span = self._where(result)
-        name = self._name(result.shape)
+        name = self._owner(result.shape)
         subject = self.data.shown(result.focus, span.file)
         message = f"`{subject}` violates {name}: {self._message(result, span.file)}"
         shape = self.shapes.subject(result.shape)
         at = f" at {_relative(shape.file)}:{shape.line}:{shape.column}" if shape is not None else ""
         hint = result.hint or f"change the data, or the shape{at}; see `onto explain SHP001`"
-        severity = "error" if result.severity == "Violation" else "warning"
-        return Problem.at(span, result.code or "SHP001", message, hint, severity)
+        severity = level(result.severity, self.shapes.graph)
+        found = Problem.at(span, result.code or "SHP001", message, hint, severity)
+        return replace(found, result=self._record(result, shape))
+
+    def _record(self, result: ShapeResult, shape: Span | None) -> dict[str, Any]:
+        graph = self.shapes.graph
+        place = {} if shape is None else {"file": _relative(shape.file), "line": shape.line, "column": shape.column}
+        return {
+            **record(result, graph),
+            "shape": {
+                "name": shape_id(graph, result.shape, self.shapes.shown),
+                "label": shape_label(graph, result.shape),
+                **place,
+            },
+        }
 
     def fault(self, fault: ShapeFault) -> Problem:
         """A shape that cannot run."""
@@ -187,8 +200,18 @@ class _Writer:
             span = self.shapes.object(fault.shape, parameter, fault.value, fault.inside)
         if span is None and parameter is not None:
             span = self.shapes.predicate(fault.shape, parameter)
-        span = span or self.shapes.subject(fault.shape) or Span(str(self.shapes.documents[0].path))
-        return Problem.at(span, *fault.fields)
+        span = span or self.shapes.subject(fault.shape)
+        code, message, hint = fault.fields
+        if span is None:  # of a format without places
+            file = self.shapes.file_of(fault.shape) or self.shapes.documents[0].path
+            return Problem.at(Span(str(file)), code, f"{message}{_within(fault)}", hint)
+        return Problem.at(span, code, message, _UNKNOWN.sub(self._namespace, hint))
+
+    def _namespace(self, match: re.Match[str]) -> str:
+        """The namespace that a shapes file gives a prefix, where a hint leaves it open."""
+        known = (one for each in self.shapes.maps.values() for one in each.declared if one.name == match[1])
+        found = next(known, None)
+        return match[0] if found is None else match[0].replace("...", found.namespace)
 
     def _where(self, result: ShapeResult) -> Span:
         """From the narrowest place to the widest."""
@@ -202,6 +225,8 @@ class _Writer:
 
     def _candidates(self, result: ShapeResult) -> Iterator[Span | None]:
         path, value = result.path, result.value
+        if path is None and value is not None and value != result.focus:
+            yield self.data.within(result.focus, value)
         if isinstance(path, NamedNode):
             if value is not None:
                 yield self.data.object(result.focus, path, value)
@@ -224,34 +249,43 @@ class _Writer:
     def _message(self, result: ShapeResult, file: str) -> str:
         if result.message:
             return result.message
+        expected = sentence(result.expected, partial(self._shown, file=file), self._shape)
         path = f"`{self._path(result.path, file)}`" if result.path is not None else ""
         if result.value is not None and result.value != result.focus:
             value = f"`{self.data.shown(result.value, file)}`"
-            return f"the value {value} of {path} {result.expected}" if path else f"{value} {result.expected}"
-        return f"{path} {result.expected}".strip()
+            return f"the value {value} of {path} {expected}" if path else f"{value} {expected}"
+        return f"{path} {expected}".strip()
+
+    def _shown(self, term: Term, file: str) -> str:
+        """A term as the data write it, or else as the shapes do."""
+        shown = self.data.shown(term, file)
+        return self.shapes.shown(term) if shown.startswith("<") and not isinstance(term, Triple) else shown
 
     def _path(self, node: Term, file: str) -> str:
-        if isinstance(node, NamedNode):
-            return self.data.shown(node, file)
-        path = read_path(self.shapes.graph, node)
-        if path is None:
-            return "[]"
-        text = sparql_path(path)
-        for iri in self._predicates(node):
-            text = text.replace(f"<{iri}>", self.data.shown(NamedNode(iri), file))
-        return text
+        return path_text(self.shapes.graph, node, partial(self._shown, file=file))
 
-    def _name(self, shape: Term) -> str:
-        """A shape by name, or by the nearest named one that it belongs to."""
+    def _shape(self, node: Term) -> str:
+        return shape_name(self.shapes.graph, node, self.shapes.shown, self.shapes.place_of(node))
+
+    def _owner(self, shape: Term) -> str:
+        """A shape by name, or by the nearest named one that it belongs to, or else by what it is."""
         seen: set[Term] = set()
         node = shape
         while isinstance(node, BlankNode) and node not in seen:
             seen.add(node)
             above = self.shapes.mention(node)
             if above is None:
-                return "a shape"
+                return self._shape(shape)
             node = above
-        return f"the shape `{self.shapes.shown(node)}`" if isinstance(node, NamedNode) else "a shape"
+        return self._shape(node if isinstance(node, NamedNode) else shape)
+
+
+def _within(fault: ShapeFault) -> str:
+    """The place of a fault within a query, where the file has none."""
+    if fault.inside is None or not isinstance(fault.value, Literal):
+        return ""
+    span = SourceText("", fault.value.value).span(fault.inside[0], fault.inside[0] + 1)
+    return f" (line {span.line}, column {span.column} of the query)"
 
 
 def _relative(file: str) -> str:

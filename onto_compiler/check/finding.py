@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
-from pyoxigraph import BlankNode, Literal, NamedNode
+from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 __all__ = ["Finding", "Term"]
 
@@ -25,11 +26,12 @@ class Finding:
     severity: str
     message: str
     hint: str
-    subject: Term | None
+    subject: Term | Triple | None
     predicate: Term | None = None
-    object: Term | None = None
+    object: Term | Triple | None = None
     graph: NamedNode | None = None  # where only the triple of one file is meant
-    values: Mapping[str, Term | str] = field(default_factory=dict)
+    values: Mapping[str, Term | Triple | str] = field(default_factory=dict)
     inside: tuple[int, int] | None = None
     near: str = ""  # the value that a declared name may be meant for
+    result: Mapping[str, Any] | None = field(default=None, compare=False)  # of SHACL, as JSON has it
     general: bool = False  # gives way to any other finding of the same triple

@@ -10,13 +10,15 @@ from pathlib import Path
 from pyoxigraph import Store
 
 from onto_compiler.check.edits import Edit, apply, edits
-from onto_compiler.check.model import load_model
+from onto_compiler.check.formats.checked import Repair
+from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.run import Report, check_model
 from onto_compiler.check.tasks import check_all, split
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.sources import read_into
+from onto_compiler.turtle.tokens import SourceText
 
-__all__ = ["Fixed", "diff", "fix", "write"]
+__all__ = ["Fixed", "diff", "fix", "repairs", "write"]
 
 _ROUNDS = 20  # a repair may show another problem (a prefix that its term was the last to use); this ends all circles
 
@@ -55,6 +57,21 @@ def fix(paths: Sequence[Path | str]) -> Fixed:
         if not changed:
             break
     return Fixed(tuple(done), before, after, check_all(paths, after))
+
+
+def repairs(report: Report, paths: Sequence[Path | str]) -> Mapping[Problem, Repair]:
+    """What :func:`fix` would do first about the problems of ``report``, which a check of ``paths`` gave."""
+    turtle, _ = split(paths)
+    found: dict[Problem, Repair] = {}
+    try:
+        model = load_model(turtle) if turtle else Model(Store(), ())
+    except OntoError:
+        return found
+    for path in model.files:
+        text = SourceText(str(path), model.text(path))
+        for edit in edits(model, path, [problem for problem in report.problems if problem.file == str(path)]):
+            found[edit.problem] = Repair(text.span(edit.start, edit.end), edit.text, edit.done)
+    return found
 
 
 def diff(fixed: Fixed, shown: Mapping[Path, str]) -> str:

@@ -61,7 +61,7 @@ def _findings(model: Model) -> Iterator[Finding]:
                     "error",
                     "HermiT finds a contradiction in `{subject}` and what it imports",
                     "take out axioms by halves until it is gone; HermiT does not say which clash",
-                    quad.subject,  # type: ignore[arg-type]
+                    quad.subject,
                     graph=graph,
                 )
     for iri in found or ():

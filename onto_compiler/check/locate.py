@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import cast
 from urllib.parse import urlsplit
@@ -11,11 +12,12 @@ from urllib.parse import urlsplit
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Store
 
 import ontology
-from onto_compiler.check.finding import Finding, Term
+from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model
 from onto_compiler.problems import Problem, Span, near
 from onto_compiler.rdf import RDF, shorten
 from onto_compiler.sources import graph_of
+from onto_compiler.terms import Term, show
 from onto_compiler.turtle.source_map import Located, SourceMap, canonical, map_text
 
 __all__ = ["locate"]
@@ -83,7 +85,8 @@ def _problem(model: Model, finding: Finding, source_map: SourceMap) -> Problem:
         own = names.get(finding.near, "")
         meant = _meant(own, sorted(_declared(model, source_map) - {own}))
         hint = f"{meant} Otherwise: {hint}" if meant else hint
-    return Problem.at(span, finding.code, fill(finding.message), hint, finding.severity)
+    found = Problem.at(span, finding.code, fill(finding.message), hint, finding.severity)
+    return found if finding.result is None else replace(found, result=finding.result)
 
 
 def _meant(own: str, declared: list[str]) -> str:
@@ -111,7 +114,11 @@ def _shown(value: Term | str, source_map: SourceMap) -> str:
             if value.value.startswith(prefix.namespace) and len(value.value) > len(prefix.namespace):
                 return f"{prefix.name}:{value.value[len(prefix.namespace) :]}"
         return shorten(value.value)
-    return value.value if isinstance(value, Literal) else "[]"
+    return value.value if isinstance(value, Literal) else show(value, _declared_in(source_map))
+
+
+def _declared_in(source_map: SourceMap) -> Iterator[tuple[str, str]]:
+    return ((prefix.name, prefix.namespace) for prefix in source_map.declared)
 
 
 def _path_of(graph: NamedNode) -> Path:

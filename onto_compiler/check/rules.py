@@ -6,7 +6,6 @@ only, writes about its focus node only, and never reads what it or a later rule 
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
@@ -19,7 +18,7 @@ from onto_compiler.check.order import check_order
 from onto_compiler.check.patterns import Construct, Name, Step, read_construct
 from onto_compiler.compile_schema import read_hierarchy
 from onto_compiler.rdf import CORE, PREFIXES, SH
-from onto_compiler.sparql import refusal
+from onto_compiler.sparql_faults.explain import query_fault
 from onto_compiler.turtle.tokens import Token, tokens
 
 __all__ = ["check_rules"]
@@ -27,7 +26,6 @@ __all__ = ["check_rules"]
 _CONSTRUCT = NamedNode(SH + "construct")
 _PREDICATE = CORE + "Predicate"
 _FAILURE_CLASS = CORE + "failureClass"
-_PLACE = re.compile(r"error at (\d+):(\d+): (.*)", re.DOTALL)
 _RULES = """
 SELECT ?rule ?text ?order WHERE { ?rule a sh:SPARQLRule ; sh:construct ?text . OPTIONAL { ?rule sh:order ?order } }"""
 _PREFIXES = """
@@ -137,31 +135,15 @@ def _prefix_faults(rule: _Rule) -> Iterator[Finding]:
 
 
 def _parse_faults(rule: _Rule) -> Iterator[Finding]:
-    lines = " ".join(f"PREFIX {prefix}: <{iri}>" for prefix, iri in rule.prefixes.items())
-    query = f"{lines}\n{rule.text.value}"
-    try:
-        refused = refusal(query)
-        if refused is not None:
-            yield rule.finding(refused.code, refused.message, refused.hint, refused.place(rule.text.value))
-            return
-        result = Store().query(query)
-    except SyntaxError as error:
-        match = _PLACE.search(str(error))
-        line, column, expected = (int(match[1]) - 1, int(match[2]), match[3]) if match else (1, 1, "")
-        text = rule.text.value
-        starts = [0, *(found.end() for found in re.finditer("\n", text))]
-        index = min(starts[min(max(line, 1), len(starts)) - 1] + column - 1, max(len(text) - 1, 0))
-        # The parser reports the furthest character that it came to, which may lie within a token.
-        token = next((one for one in tokens(text) if one.start <= index < one.end or one.start >= index), None)
-        known = 0 < len(expected) < 60 and "[" not in expected and "OPTIONAL" not in expected
-        yield rule.finding(
-            "RUL001",
-            f"the query of `{{subject}}` is no SPARQL near `{token.text if token else 'its end'}`"
-            + (f": {expected}" if known else ""),
-            "a rule is one CONSTRUCT query; `onto explain RUL001` says more",
-            token or (index, 1),
-        )
+    query = rule.text.value
+    wrong = query_fault(query, rule.prefixes)
+    if wrong is not None:
+        message = wrong.message if wrong.code else f"the query of `{{subject}}` is no SPARQL: {wrong.message}"
+        hint = wrong.hint or "a rule is one CONSTRUCT query; `onto explain RUL001` says more"
+        yield rule.finding(wrong.code or "RUL001", message, hint, (wrong.start, wrong.length))
         return
+    try:
+        result = Store().query(query, prefixes=dict(rule.prefixes))
     except ValueError as error:  # Oxigraph's word for a query that parses and means nothing
         yield rule.finding(
             "RUL001", f"the query of `{{subject}}` is no SPARQL: {error}", "rewrite the query", _start(rule)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
-from pyoxigraph import BlankNode, Literal, NamedNode
+from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 from onto_compiler.check.bindings import check_bindings
 from onto_compiler.check.consistency import check_consistency
@@ -21,13 +22,27 @@ from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.rules import check_rules
 from onto_compiler.check.terms import check_terms
 from onto_compiler.problems import OntoError, Problem
-from onto_compiler.rdf import SH, shorten
+from onto_compiler.rdf import SH
 from onto_compiler.shacl.compile import compile_graph
+from onto_compiler.shacl.graph import Graph
 from onto_compiler.shacl.model import ShapeFault, ShapeResult
+from onto_compiler.shacl.naming import shape_id, shape_label, shape_name
+from onto_compiler.shacl.report import record
+from onto_compiler.shacl.severity import level
 from onto_compiler.shacl.validate import validate_graph
+from onto_compiler.terms import Sentence, sentence, show
 from onto_compiler.validator.engine import with_implications
 
-__all__ = ["Report", "check", "check_model"]
+__all__ = ["Report", "Validated", "check", "check_model"]
+
+
+@dataclass(frozen=True, slots=True)
+class Validated:
+    """The results of a validation with shapes, for a report of their own."""
+
+    results: tuple[ShapeResult, ...]
+    shapes: Graph
+    complete: bool = True  # every shape ran
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +52,7 @@ class Report:
     problems: tuple[Problem, ...]
     files: tuple[Path, ...]
     triples: int
+    validation: Validated | None = None
 
 
 def check(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None) -> Report:
@@ -85,27 +101,49 @@ def fault_finding(fault: ShapeFault) -> Finding:
 
 
 def _finding(model: Model, result: ShapeResult) -> Finding:
-    message = result.message
-    if not result.code:
-        shape = "a shape" if isinstance(result.shape, BlankNode) else f"the shape `{shorten(result.shape.value)}`"
-        message = f"violates {shape}: {message or result.expected}"
+    template, values = _sentence(model, result)
     finding = Finding(
         code=result.code or "SHP001",
-        severity="error" if result.severity == "Violation" else "warning",
-        message=f"`{{subject}}` {message}",
+        severity=level(result.severity, model.graph),
+        message=f"`{{subject}}` {template}",
         hint=result.hint or "change the data, or the shape; see `onto explain SHP001`",
         subject=result.focus,
         predicate=result.path if isinstance(result.path, NamedNode) else None,
         object=result.value if isinstance(result.path, NamedNode) else None,
+        values=values,
+        result=_record(model, result),
     )
-    return _of_value(model, result.focus, finding) if isinstance(result.focus, Literal) else finding
+    named = isinstance(result.focus, (NamedNode, BlankNode))
+    return finding if named else _of_value(model, result.focus, finding)
 
 
-def _of_value(model: Model, value: Literal, finding: Finding) -> Finding:
-    """The finding about a literal, which is the subject of nothing: it belongs to the first triple that holds it."""
+def _sentence(model: Model, result: ShapeResult) -> tuple[str, dict[str, Term | Triple | str]]:
+    """What a result says of its focus node: a template, and what fills it with the prefixes of a file."""
+    values: dict[str, Term | Triple | str] = {}
+
+    def slot(part: Term | Triple | str) -> str:
+        values[f"part{len(values)}"] = show(part) if isinstance(part, Literal) else part
+        return f"{{part{len(values) - 1}}}"
+
+    named = partial(shape_name, model.graph, name=slot)
+    said: Sentence = result.message or result.expected
+    parts = (said,) if isinstance(said, str) else said
+    text = sentence(tuple(slot(part) if isinstance(part, str) else part for part in parts), slot, named)
+    return (text if result.code else f"violates {named(result.shape)}: {text}"), values
+
+
+def _record(model: Model, result: ShapeResult) -> dict[str, Any]:
+    name = shape_id(model.graph, result.shape, show)
+    label = shape_label(model.graph, result.shape)
+    return {**record(result, model.graph), "shape": {"name": name, "label": label}}
+
+
+def _of_value(model: Model, value: Term | Triple, finding: Finding) -> Finding:
+    """The finding about a term that is no subject, as a literal: it belongs to the first triple that holds it."""
     holders = (quad for quad in model.written if quad.object == value and quad.graph_name in model.graphs)
     first = next(holders, None)
     if first is None:
         return replace(finding, subject=None)
     subject = cast("Term", first.subject)
-    return replace(finding, subject=subject, predicate=first.predicate, object=value, values={"subject": value})
+    values = {**finding.values, "subject": show(value) if isinstance(value, Literal) else value}
+    return replace(finding, subject=subject, predicate=first.predicate, object=value, values=values)

@@ -6,9 +6,10 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from pyoxigraph import Literal, NamedNode
+from pyoxigraph import BlankNode, NamedNode, Triple
 
 from onto_compiler.rdf import PREFIXES
+from onto_compiler.terms import Term
 
 __all__ = ["Blank", "Pair", "Seq", "Value", "block", "iri_text", "prefix_lines", "quoted", "term_text"]
 
@@ -48,12 +49,17 @@ def quoted(text: str) -> str:
     return '"' + "".join(_ESCAPES.get(character, character) for character in text) + '"'
 
 
-def term_text(term: NamedNode | Literal) -> str:
-    """An IRI or a literal as Turtle has it."""
+def term_text(term: Term) -> str:
+    """A term as Turtle has it; a blank node without its properties."""
     if isinstance(term, NamedNode):
         return iri_text(term.value)
+    if isinstance(term, BlankNode):
+        return "[]"
+    if isinstance(term, Triple):
+        return f"<<( {' '.join(map(term_text, (term.subject, term.predicate, term.object)))} )>>"
     if term.language:
-        return f"{quoted(term.value)}@{term.language}"
+        direction = "" if term.direction is None else f"--{term.direction.value}"
+        return f"{quoted(term.value)}@{term.language}{direction}"
     kind = iri_text(term.datatype.value)
     return quoted(term.value) if kind == "xsd:string" else f"{quoted(term.value)}^^{kind}"
 

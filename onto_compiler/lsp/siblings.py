@@ -17,6 +17,7 @@ from pyoxigraph import NamedNode, RdfFormat, parse
 
 import ontology
 from onto_compiler.rdf import OWL, RDF
+from onto_compiler.terms import text_of
 from onto_compiler.turtle.source_map import map_text
 
 __all__ = ["Header", "header", "siblings", "turtle_below"]
@@ -52,7 +53,7 @@ def header(text: str, path: Path) -> Header:
     read = map_text(text, str(path), path.as_uri())
     return Header(
         declares=frozenset(t.subject.value for t in read.find(None, _TYPE, _ONTOLOGY)),
-        imports=frozenset(t.object.value for t in read.find(None, _IMPORTS)),
+        imports=frozenset(text_of(t.object) for t in read.find(None, _IMPORTS)),
         namespaces=frozenset(prefix.namespace.rstrip("#/") for prefix in read.declared),
     )
 

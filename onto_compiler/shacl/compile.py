@@ -17,6 +17,7 @@ from onto_compiler.shacl.paths import Path, read_path
 from onto_compiler.shacl.prebinding import read_query
 from onto_compiler.shacl.reader import Parameter, Reader, local
 from onto_compiler.shacl.sparql import Component, components, custom_checks, sparql_check
+from onto_compiler.terms import text_of
 
 __all__ = ["Compiler", "compile_graph"]
 
@@ -93,10 +94,11 @@ class Compiler:
             checks,
             targets,
             reader.is_true(node, "deactivated"),
-            local(severity.value) if severity is not None else "Violation",
+            local(text_of(severity)) if severity is not None else "Violation",
             message,
             code,
             hint,
+            reader.messages(node),
         )
 
     def _checks(self, reader: Reader, node: Term, path: Path | None) -> Iterator[Check]:
@@ -133,7 +135,7 @@ class Compiler:
         """A ``sh:SPARQLTarget``, or a target of a declared type, whose parameters the target has."""
         reader = self.reader
         for holder in (target, *reader.values(target, _TYPE)):
-            text = reader.query(holder, "select")
+            text = reader.query(holder, "select", what="the query of a target")
             if text is None:
                 continue
             given = {
@@ -143,8 +145,7 @@ class Compiler:
                 if isinstance(path, NamedNode)
                 for value in reader.values(target, path)[:1]
             }
-            bound, _ = read_query(text, given).bind(given)
-            return Target("query", target, bound)
+            return Target("query", target, read_query(text, given), given)
         raise ShapeFault("the sh:target has no sh:select", node, "target", target)
 
 

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-from pyoxigraph import BlankNode, Literal, NamedNode
+from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 from onto_compiler.rdf import SH
 from onto_compiler.shacl.graph import Term
 from onto_compiler.shacl.model import Check, Custom, Hit, PerValue, Run, Whole
 from onto_compiler.shacl.patterns import matcher
-from onto_compiler.shacl.reader import Parameter, shown
+from onto_compiler.shacl.reader import Parameter
 from onto_compiler.shacl.values import is_well_formed, less
+from onto_compiler.terms import text_of
 from onto_compiler.wording import plural
 
 __all__ = ["COMPONENTS", "Builder"]
@@ -46,7 +47,7 @@ def _class(own: Parameter) -> Iterator[Check]:
     def test(run: Run, value: Term) -> bool:
         return run.data.is_a(value, wanted)
 
-    yield PerValue(_component(own), test, f"must be an instance of {shown(wanted)}")
+    yield PerValue(_component(own), test, ("must be an instance of ", wanted))
 
 
 def _datatype(own: Parameter) -> Iterator[Check]:
@@ -55,11 +56,11 @@ def _datatype(own: Parameter) -> Iterator[Check]:
     def test(_: Run, value: Term) -> bool:
         return isinstance(value, Literal) and value.datatype == datatype and is_well_formed(value)
 
-    yield PerValue(_component(own), test, f"must be a literal of the datatype {shown(datatype)}")
+    yield PerValue(_component(own), test, ("must be a literal of the datatype ", datatype))
 
 
 def _node_kind(own: Parameter) -> Iterator[Check]:
-    kind = own.value.value.removeprefix(SH)
+    kind = text_of(own.value).removeprefix(SH)
     if kind not in _KINDS:
         raise own.fault(f"`{kind}` is no node kind of SHACL")
     classes = _KINDS[kind]
@@ -95,7 +96,7 @@ def _range(sign: str) -> Builder:
             pair = (bound, value) if sign[0] == ">" else (value, bound)
             return less(*pair, or_equal=or_equal)
 
-        yield PerValue(_component(own), test, f"must be {sign} {shown(bound)}")
+        yield PerValue(_component(own), test, (f"must be {sign} ", bound))
 
     return build
 
@@ -105,7 +106,7 @@ def _length(*, least: bool) -> Builder:
         limit = own.number()
 
         def test(_: Run, value: Term) -> bool:
-            if isinstance(value, BlankNode):
+            if isinstance(value, (BlankNode, Triple)):
                 return False
             return len(value.value) >= limit if least else len(value.value) <= limit
 
@@ -116,20 +117,20 @@ def _length(*, least: bool) -> Builder:
 
 def _pattern(own: Parameter) -> Iterator[Check]:
     pattern = own.literal().value
-    flags = "".join(flag.value for flag in own.others("flags")[:1])
+    flags = "".join(text_of(flag) for flag in own.others("flags")[:1])
     try:
         match = matcher(pattern, flags)
     except ValueError as error:
         raise own.fault(str(error)) from error
 
     def test(_: Run, value: Term) -> bool:
-        return not isinstance(value, BlankNode) and match(value.value)
+        return not isinstance(value, (BlankNode, Triple)) and match(value.value)
 
     yield PerValue(_component(own), test, f"must match the pattern `{pattern}`")
 
 
 def _language_in(own: Parameter) -> Iterator[Check]:
-    ranges = [item.value.lower() for item in own.items()]
+    ranges = [text_of(item).lower() for item in own.items()]
 
     def test(_: Run, value: Term) -> bool:
         language = value.language.lower() if isinstance(value, Literal) and value.language else ""
@@ -139,7 +140,7 @@ def _language_in(own: Parameter) -> Iterator[Check]:
 
 
 def _unique_lang(own: Parameter) -> Iterator[Check]:
-    if own.value.value != "true":  # of "1" the specification does not speak
+    if text_of(own.value) != "true":  # of "1" the specification does not speak
         return
 
     def find(_: Run, __: Term, values: Sequence[Term]) -> Iterable[Term | None]:
@@ -157,7 +158,7 @@ def _equals(own: Parameter) -> Iterator[Check]:
         mine = set(values)
         return [*(v for v in values if v not in compared), *(v for v in compared if v not in mine)]
 
-    yield Whole(_component(own), find, f"must have the same values as {shown(other)}")
+    yield Whole(_component(own), find, ("must have the same values as ", other))
 
 
 def _disjoint(own: Parameter) -> Iterator[Check]:
@@ -167,7 +168,7 @@ def _disjoint(own: Parameter) -> Iterator[Check]:
         compared = run.data.objects(focus, other)
         return [value for value in values if value in compared]
 
-    yield Whole(_component(own), find, f"must not have a value that {shown(other)} has")
+    yield Whole(_component(own), find, ("must not have a value that ", other, " has"))
 
 
 def _less_than(*, or_equal: bool) -> Builder:
@@ -178,7 +179,7 @@ def _less_than(*, or_equal: bool) -> Builder:
             compared = run.data.objects(focus, other)
             return [value for value in values for bound in compared if not _before(value, bound, or_equal=or_equal)]
 
-        yield Whole(_component(own), find, f"must be {'<=' if or_equal else '<'} each value of {shown(other)}")
+        yield Whole(_component(own), find, (f"must be {'<=' if or_equal else '<'} each value of ", other))
 
     return build
 
@@ -194,7 +195,7 @@ def _has_value(own: Parameter) -> Iterator[Check]:
     def find(_: Run, __: Term, values: Sequence[Term]) -> Iterable[Term | None]:
         return () if wanted in values else (None,)
 
-    yield Whole(_component(own), find, f"must have the value {shown(wanted)}")
+    yield Whole(_component(own), find, ("must have the value ", wanted))
 
 
 def _in(own: Parameter) -> Iterator[Check]:
@@ -205,11 +206,16 @@ def _in(own: Parameter) -> Iterator[Check]:
     def test(_: Run, value: Term) -> bool:
         return value in allowed
 
-    yield PerValue(_component(own), test, f"must be one of {', '.join(map(shown, members))}")
+    yield PerValue(_component(own), test, ("must be one of ", *_listed(members)))
+
+
+def _listed(members: Sequence[Term]) -> Iterator[str | Term]:
+    for number, member in enumerate(members):
+        yield from (", ", member) if number else (member,)
 
 
 def _closed(own: Parameter) -> Iterator[Check]:
-    if own.value.value != "true":  # of "1" the specification does not speak
+    if text_of(own.value) != "true":  # of "1" the specification does not speak
         return
     allowed = {path for one in own.others("property") for path in own.reader.values(one, "path")}
     for head in own.others("ignoredProperties"):

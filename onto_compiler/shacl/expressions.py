@@ -162,6 +162,6 @@ def _calling(name: NamedNode, arguments: Sequence[Expression], shape: Term) -> E
         for row in product(*(list(argument(run, focus)) for argument in arguments)):
             result = function(*row)
             if result is not None:
-                yield run.data.written(result)
+                yield result
 
     return evaluate

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, cast
 
-from pyoxigraph import Literal, NamedNode, QueryBoolean, QueryTriples
+from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.rdf import SH, boolean
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import ShapeFault
-from onto_compiler.shacl.prebinding import Query, read_query
+from onto_compiler.shacl.prebinding import Query, ask, read_query
 from onto_compiler.shacl.reader import Reader
+from onto_compiler.terms import show, text_of
 
 __all__ = ["Functions", "declared_functions"]
 
@@ -38,7 +39,8 @@ def declared_functions(reader: Reader, faults: list[ShapeFault] | None = None) -
     found = Functions()
     for one in reader.graph.instances(NamedNode(SH + "SPARQLFunction")):
         try:
-            body = reader.query(one, "select") or reader.query(one, "ask")
+            what = f"the function {show(one)}"
+            body = reader.query(one, "select", what=what) or reader.query(one, "ask", what=what)
         except ShapeFault as fault:
             if faults is None:
                 raise
@@ -57,26 +59,23 @@ def _parameters(reader: Reader, function: Term) -> list[tuple[tuple[float, str],
     for parameter in reader.values(function, "parameter"):
         path, order = reader.one(parameter, "path"), reader.one(parameter, "order")
         if path is not None:
-            name = path.value.rpartition("#")[2].rpartition("/")[2]
+            name = text_of(path).rpartition("#")[2].rpartition("/")[2]
             found.append(((float(order.value) if isinstance(order, Literal) else 0.0, name), name))
     return found
 
 
 def _function(name: NamedNode, known: Functions, query: Query, names: Sequence[str]) -> Function:
     def call(*arguments: Term) -> Term | None:
-        text, extra = query.bind(dict(zip(names, arguments, strict=False)))
-        everything: Mapping[NamedNode, Function] = {**known, **extra}
         try:
-            answer = known.data.store.query(text, use_default_graph_as_union=True, custom_functions=dict(everything))
+            answer = ask(known.data.store, query, dict(zip(names, arguments, strict=False)), known)
         except SyntaxError as error:
             reason = " ".join(str(error).partition(", [")[0].split())
             raise ShapeFault(f"the function {name} cannot run: {reason}", name) from error
-        if isinstance(answer, QueryTriples):
+        if answer.kind == "construct":
             raise ShapeFault(f"the function {name} is neither a SELECT nor an ASK query", name)
-        if isinstance(answer, QueryBoolean):
-            return boolean(bool(answer))
-        for row in answer:
-            return cast("Term | None", row[0])
-        return None
+        first = next(iter(answer.rows), None)
+        if answer.kind == "ask":
+            return boolean(first is not None)
+        return None if first is None else cast("Term | None", first[0])
 
     return call

@@ -1,28 +1,26 @@
-"""RDF triples indexed for validation: lexical forms are kept, and Oxigraph answers SPARQL over the same triples.
-
-Oxigraph's store reads ``"5"^^xsd:byte`` as the integer 5; ``sh:datatype`` asks for what was written. So values are
-looked up here, and a store is made only where a query is asked.
-"""
+"""RDF triples indexed for validation: values are looked up here, and a store is made only where a query is asked."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import cast
 
-from pyoxigraph import BlankNode, DefaultGraph, Literal, NamedNode, Quad, Store, Triple
+from pyoxigraph import BlankNode, NamedNode, Quad, Store, Triple
 
+from onto_compiler.lexical.store import LexicalStore
+from onto_compiler.lexical.terms import respelled
 from onto_compiler.rdf import RDF, RDFS
+from onto_compiler.terms import Term
 
 __all__ = ["Graph", "Subject", "Term"]
 
-Term = NamedNode | BlankNode | Literal
 Subject = NamedNode | BlankNode
 Ordered = dict[Term, None]  # a set that keeps its order
 
 _TYPE, _SUBCLASS = NamedNode(RDF + "type"), NamedNode(RDFS + "subClassOf")
+_FIRST, _REST, _NIL = (NamedNode(RDF + name) for name in ("first", "rest", "nil"))
 _NOTHING: Mapping[Term, None] = {}
 _NONE: Mapping[Term, Ordered] = {}
-_SCRATCH = NamedNode("urn:onto-evwm:term")
 
 
 class Graph:
@@ -33,19 +31,21 @@ class Graph:
         self._backward: dict[NamedNode, dict[Term, Ordered]] = {}
         self._subclasses: dict[Term, Ordered] = {}
         self._described: dict[Term, list[NamedNode]] = {}
-        self._written: dict[Literal, Literal] | None = None
-        self._given, self._store = store, store
+        if store is not None and not isinstance(quads, Store):
+            quads = tuple(quads)
+        self._given, self._quads = store, quads if store is not None else ()
+        self._store: LexicalStore | None = None
         forward = self._forward
         for quad in quads:
             predicate, subject = quad.predicate, quad.subject
             by_subject = forward.get(predicate)
             if by_subject is None:
                 by_subject = forward[predicate] = {}
-            values = by_subject.get(subject)  # type: ignore[arg-type]  # a quoted triple is no subject of ours
+            values = by_subject.get(subject)
             if values is None:
-                by_subject[subject] = {quad.object: None}  # type: ignore[index, dict-item]
+                by_subject[subject] = {quad.object: None}
             else:
-                values[quad.object] = None  # type: ignore[index]
+                values[quad.object] = None
 
     @classmethod
     def of_store(cls, store: Store) -> Graph:
@@ -67,18 +67,17 @@ class Graph:
 
     def add(self, triple: Triple) -> bool:
         """Add a triple; false where it was there already."""
-        subject, value = cast("Term", triple.subject), cast("Term", triple.object)
+        subject, value = triple.subject, triple.object
         values = self._forward.setdefault(triple.predicate, {}).setdefault(subject, {})
         if value in values:
             return False
         values[value] = None
         self._backward.pop(triple.predicate, None)
         self._described.clear()
-        self._written = None
         if triple.predicate == _SUBCLASS:
             self._subclasses.clear()
         if self._store is not None:
-            self._store.add(Quad(triple.subject, triple.predicate, triple.object))
+            self._store.extend((Quad(triple.subject, triple.predicate, triple.object),))
         return True
 
     def objects(self, subject: Term, predicate: NamedNode) -> Mapping[Term, None]:
@@ -124,6 +123,10 @@ class Graph:
         """The properties that a node has."""
         return self.described.get(subject, [])
 
+    def pointing(self, value: Term) -> Iterator[NamedNode]:
+        """The properties that ``value`` is a value of."""
+        return (predicate for predicate in self._forward if self.subjects(predicate, value))
+
     def instances(self, cls: Term) -> Ordered:
         """The SHACL instances of a class: those of its subclasses are among them (SHACL, section 1.1)."""
         typed = self.values(_TYPE)
@@ -164,47 +167,21 @@ class Graph:
         return members
 
     @property
-    def store(self) -> Store:
-        """The triples as Oxigraph holds them; queries ask the union of its graphs."""
+    def store(self) -> LexicalStore:
+        """The same triples for SPARQL; queries ask the union of its graphs."""
         if self._store is None:
-            self._store = self._copy()
+            given = self._given
+            if given is None:
+                self._store = LexicalStore(self._as_quads())
+            elif self._quads is given or not respelled({quad.object for quad in self._quads}):
+                self._store = LexicalStore(store=given)
+            else:
+                self._store = LexicalStore(quad for quad in self._quads if isinstance(quad, Quad))
         return self._store
 
-    def beside(self, other: Graph, name: NamedNode) -> Store:
+    def beside(self, other: Graph, name: NamedNode) -> LexicalStore:
         """A store whose default graph is this graph, and whose graph ``name`` is ``other``."""
-        store = self._copy()
-        store.bulk_extend(Quad(t.subject, t.predicate, t.object, name) for t in other)
-        return store
+        return LexicalStore([*self._as_quads(), *other._as_quads(name)])
 
-    def _copy(self) -> Store:
-        store = Store()
-        default = DefaultGraph()
-        store.bulk_extend(Quad(t.subject, t.predicate, t.object, default) for t in self)
-        return store
-
-    def written(self, term: Term) -> Term:
-        """A term that came out of the store, as this graph writes it."""
-        if not isinstance(term, Literal) or self._given is not None:
-            return term
-        if self._written is None:
-            self._written = _spellings(self)
-        return self._written.get(term, term)
-
-
-_FIRST, _REST, _NIL = (NamedNode(RDF + name) for name in ("first", "rest", "nil"))
-
-
-def _spellings(graph: Graph) -> dict[Literal, Literal]:
-    """Of each literal that a store spells in another way, one of the ways in which the graph does."""
-    literals = {t.object for t in graph if isinstance(t.object, Literal) and t.object.language is None}
-    numbered = list(literals)
-    store = Store()
-    names = [NamedNode(f"urn:onto-evwm:term:{number}") for number in range(len(numbered))]
-    store.bulk_extend(Quad(name, _SCRATCH, value) for name, value in zip(names, numbered, strict=True))
-    found: dict[Literal, Literal] = {}
-    for quad in store:
-        literal = numbered[int(quad.subject.value.rpartition(":")[2])]
-        stored = cast("Literal", quad.object)
-        if stored != literal and stored not in literals:
-            found[stored] = literal
-    return found
+    def _as_quads(self, *name: NamedNode) -> Iterator[Quad]:
+        return (Quad(t.subject, t.predicate, t.object, *name) for t in self)

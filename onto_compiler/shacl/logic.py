@@ -10,7 +10,9 @@ from onto_compiler.rdf import SH
 from onto_compiler.shacl.components import Builder
 from onto_compiler.shacl.graph import Term
 from onto_compiler.shacl.model import Check, Nested, PerValue, Run, Whole
-from onto_compiler.shacl.reader import Parameter, shown
+from onto_compiler.shacl.reader import Parameter
+from onto_compiler.terms import ShapeOf
+from onto_compiler.wording import plural
 
 __all__ = ["SHAPE_COMPONENTS"]
 
@@ -23,7 +25,7 @@ def _node(own: Parameter) -> Iterator[Check]:
     def test(run: Run, value: Term) -> bool:
         return run.conforms(value, shape)
 
-    yield PerValue("NodeConstraintComponent", test, f"must conform to the shape {shown(shape)}")
+    yield PerValue("NodeConstraintComponent", test, ("must conform to ", ShapeOf(shape)))
 
 
 def _not(own: Parameter) -> Iterator[Check]:
@@ -32,7 +34,7 @@ def _not(own: Parameter) -> Iterator[Check]:
     def test(run: Run, value: Term) -> bool:
         return not run.conforms(value, shape)
 
-    yield PerValue("NotConstraintComponent", test, f"must not conform to the shape {shown(shape)}")
+    yield PerValue("NotConstraintComponent", test, ("must not conform to ", ShapeOf(shape)))
 
 
 def _property(own: Parameter) -> Iterator[Check]:
@@ -91,8 +93,8 @@ def _qualified(own: Parameter) -> Iterator[Check]:
                 found = counted(run, values)
                 return (None,) if (found < limit if least else found > limit) else ()
 
-            words = f"must have at {'least' if least else 'most'} {limit} values that conform to {shown(shape)}"
-            yield Whole(f"Q{name[1:]}ConstraintComponent", find, words)
+            words = f"must have at {'least' if least else 'most'} {limit} {plural(limit, 'value')} that conform to "
+            yield Whole(f"Q{name[1:]}ConstraintComponent", find, (words, ShapeOf(shape)))
 
 
 def _siblings(own: Parameter) -> list[Term]:

@@ -6,13 +6,16 @@ from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Se
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
-from pyoxigraph import NamedNode
+from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.paths import Path
+from onto_compiler.shacl.prebinding import Query
+from onto_compiler.terms import Sentence
 
 __all__ = [
+    "Annotation",
     "Check",
     "Custom",
     "Hit",
@@ -26,6 +29,9 @@ __all__ = [
     "Target",
     "Whole",
 ]
+
+
+_HINT = "correct the shape; see `onto explain {}`"
 
 
 class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError one in any input
@@ -45,7 +51,7 @@ class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError on
         hint: str = "",
         inside: tuple[int, int] | None = None,
     ) -> None:
-        super().__init__(Problem("", 0, 0, code, "error", message, hint or f"see `onto explain {code}`"))
+        super().__init__(Problem("", 0, 0, code, "error", message, hint or _HINT.format(code)))
         self.shape, self.parameter, self.value, self.inside = shape, parameter, value, inside
 
     def same(self, other: ShapeFault) -> bool:
@@ -57,7 +63,9 @@ class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError on
         """Code, message and hint, before the fault is located."""
         problem = self.problems[0]
         if problem.code == "SHP002":
-            return "SHP002", f"a shape cannot run: {problem.message}", "correct the shape; see `onto explain SHP002`"
+            hint = problem.hint if "onto explain" in problem.hint else f"{problem.hint}; see `onto explain SHP002`"
+            said = problem.message if " cannot run: " in problem.message else f"a shape cannot run: {problem.message}"
+            return "SHP002", said, hint
         return problem.code, problem.message, problem.hint
 
     def __reduce__(self) -> tuple[type[OntoError], tuple[Problem, ...]]:
@@ -81,7 +89,10 @@ class ShapeResult:
     severity: str = "Violation"  # local name, or the IRI of the user's own severity
     code: str = ""
     hint: str = ""
-    expected: str = ""
+    expected: Sentence = ""
+    messages: tuple[Literal, ...] = ()  # what the author wrote, in every language
+    constraint: Term | None = None  # a ``sh:sparql`` constraint of the shape
+    annotations: tuple[tuple[NamedNode, Term], ...] = ()  # properties of the result (``sh:resultAnnotation``)
 
 
 class Run(Protocol):
@@ -96,7 +107,7 @@ class Run(Protocol):
     def results(self, shape: Shape, focus: Term) -> Iterator[ShapeResult]:
         """The results of one focus node against one shape."""
 
-    def select(self, text: str, functions: Mapping[NamedNode, Callable[..., Any]]) -> Iterator[dict[str, Term]]:
+    def select(self, query: Query, given: Mapping[str, Term]) -> Iterator[dict[str, Term]]:
         """The solutions of a SELECT over the data; an ASK gives one empty solution, or none."""
 
 
@@ -108,6 +119,16 @@ class Hit:
     path: Term | None = None
     message: str = ""
     focus: Term | None = None
+    bound: Mapping[str, Term] = field(default_factory=dict)  # what a query binds, for messages and annotations
+
+
+@dataclass(frozen=True, slots=True)
+class Annotation:
+    """``sh:resultAnnotation``: results have ``property`` with what the query binds to ``name``, or else ``values``."""
+
+    property: NamedNode
+    name: str
+    values: tuple[Term, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,7 +137,7 @@ class PerValue:
 
     component: str
     test: Callable[[Run, Term], bool]
-    expected: str
+    expected: Sentence
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,7 +146,7 @@ class Whole:
 
     component: str
     find: Callable[[Run, Term, Sequence[Term]], Iterable[Term | None]]
-    expected: str
+    expected: Sentence
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,10 +155,13 @@ class Custom:
 
     component: str
     find: Callable[[Run, Term, Sequence[Term]], Iterable[Hit]]
-    expected: str
+    expected: Sentence
     message: str = ""
     code: str = ""
     hint: str = ""
+    messages: tuple[Literal, ...] = ()
+    node: Term | None = None
+    annotations: tuple[Annotation, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -152,11 +176,12 @@ Check = PerValue | Whole | Custom | Nested
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """``kind`` is ``node``, ``class``, ``subjects``, ``objects`` or ``query``, whose text is in ``query``."""
+    """``kind`` is ``node``, ``class``, ``subjects``, ``objects`` or ``query``, which is asked with ``given``."""
 
     kind: str
     term: Term
-    query: str = ""
+    query: Query | None = None
+    given: Mapping[str, Term] = field(default_factory=dict, compare=False)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -173,6 +198,7 @@ class Shape:
     message: str = ""
     code: str = ""
     hint: str = ""
+    messages: tuple[Literal, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

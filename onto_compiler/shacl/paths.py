@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
@@ -99,16 +99,16 @@ def _repeated(graph: Graph, start: dict[Term, None], path: Path, *, back: bool) 
     return found
 
 
-def sparql_path(path: Path) -> str:
-    """The path as SPARQL writes it."""
+def sparql_path(path: Path, name: Callable[[Term], str] = str) -> str:
+    """The path as SPARQL writes it; ``name`` is how its properties are called."""
     match path.kind:
         case "predicate":
-            return str(path.iri)
+            return name(path.iri) if path.iri is not None else ""
         case "sequence" | "alternative":
             sign = "/" if path.kind == "sequence" else "|"
-            return f"({sign.join(sparql_path(part) for part in path.parts)})"
+            return f"({sign.join(sparql_path(part, name) for part in path.parts)})"
         case _:
-            return f"({_TEXTS[path.kind].format(sparql_path(path.parts[0]))})"
+            return f"({_TEXTS[path.kind].format(sparql_path(path.parts[0], name))})"
 
 
 def describe(path: Path) -> tuple[Subject, list[Triple]]:

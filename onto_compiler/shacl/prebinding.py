@@ -8,16 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Any
 
-from pyoxigraph import BlankNode, NamedNode
+from pyoxigraph import BlankNode, NamedNode, Triple
 
+from onto_compiler.lexical.query import keep
+from onto_compiler.lexical.store import LexicalStore, Rows
+from onto_compiler.lexical.terms import mark
 from onto_compiler.shacl.graph import Term
 from onto_compiler.turtle.tokens import Token, tokens
 
-__all__ = ["Query", "is_joined", "read_query", "unsupported"]
+__all__ = ["Query", "ask", "is_joined", "read_query", "unsupported"]
 
 _FUNCTION = "urn:onto-evwm:prebound:"
 _OPTIONAL = {"shapesGraph", "currentShape"}
@@ -32,10 +35,11 @@ class Query:
     text: str
     pieces: tuple[str | tuple[str, str], ...]
     openings: tuple[int, ...]  # where in ``text`` each group begins
+    names: frozenset[str] = frozenset()  # of the variables that may be pre-bound
 
     def bind(self, given: Mapping[str, Term]) -> tuple[str, Functions]:
         """The text with ``given`` in place, and the functions that it calls."""
-        if any(isinstance(term, BlankNode) for term in given.values()):
+        if any(_is_nameless(term) for term in given.values()):
             return self.bind_by_function(given)
         written = []
         for piece in self.pieces:
@@ -67,6 +71,42 @@ def _same(term: Term) -> Term:
     return term
 
 
+def _is_nameless(term: Term) -> bool:
+    """Whether a query has no way to write ``term``, as it is a blank node or holds one; a triple is not written."""
+    return isinstance(term, (BlankNode, Triple))
+
+
+def ask(
+    store: LexicalStore,
+    query: Query,
+    given: Mapping[str, Term],
+    functions: Mapping[NamedNode, Callable[..., Any]] | None = None,
+    *,
+    union: bool = True,
+) -> Rows:
+    """The answer to ``query`` with ``given`` pre-bound; ``functions`` are those that it may call.
+
+    Raises:
+        SyntaxError: it is not SPARQL. ValueError, RuntimeError, OSError: it cannot be evaluated.
+
+    """
+    kept = store.keeps(query.text, given.values())
+    if kept:
+        query, given = _kept(query.text, query.names), {name: mark(term) for name, term in given.items()}
+    try:
+        text, extra = query.bind(given)
+        return store.ask(text, functions={**(functions or {}), **extra}, union=union, kept=kept)
+    except SyntaxError:
+        # A literal cannot be written as a subject: bound by a function, it merely matches nothing.
+        text, extra = query.bind_by_function(given)
+        return store.ask(text, functions={**(functions or {}), **extra}, union=union, kept=kept)
+
+
+@lru_cache(maxsize=1024)
+def _kept(text: str, names: frozenset[str]) -> Query:
+    return read_query(keep(text).text, names)
+
+
 def read_query(text: str, names: Iterable[str]) -> Query:
     """Cut ``text``; ``names`` are those of the variables that may be pre-bound."""
     wanted = set(names)
@@ -82,7 +122,7 @@ def read_query(text: str, names: Iterable[str]) -> Query:
             start, end = read[place - 2].start, read[place + 1].end
         pieces += [text[at:start], (token.text[1:], _form(token.text[1:], manners[place], place))]
         at = end
-    return Query(text, (*pieces, text[at:]), tuple(_openings(read)))
+    return Query(text, (*pieces, text[at:]), tuple(_openings(read)), frozenset(wanted))
 
 
 def _form(name: str, manner: str, place: int) -> str:
@@ -159,23 +199,23 @@ def is_joined(text: str, name: str) -> bool:
     return joined and "SELECT" not in words
 
 
-def unsupported(text: str, names: Iterable[str]) -> str:
-    """What in a query may not stand beside pre-bound variables (appendix A), as a phrase; empty if nothing does."""
+def unsupported(text: str, names: Iterable[str]) -> tuple[str, Token] | None:
+    """What in a query may not stand beside pre-bound variables (appendix A), in words, and where; None for nothing."""
     wanted = set(names)
     read = list(tokens(text))
     for token, following in pairwise([*read, None]):
         assert token is not None  # noqa: S101 - only the last has nothing behind it
         word = token.text.upper() if token.kind == "word" else ""
         if word in {"MINUS", "VALUES"}:
-            return f"`{word}` may not stand in the query of a shape"
+            return f"`{word}` may not stand in the query of a shape", token
         if word == "AS" and following is not None and following.kind == "variable" and following.text[1:] in wanted:
-            return f"`{following.text}` is given and cannot be assigned"
+            return f"`{following.text}` is given and cannot be assigned", following
     for place, token in enumerate(read):
         if token.text == "{" and place + 1 < len(read) and read[place + 1].text.upper() == "SELECT":
             missing = wanted - _OPTIONAL - _projected(read, place + 2)
             if missing:
-                return f"a subquery does not return `${min(missing)}`"
-    return ""
+                return f"a subquery does not return `${min(missing)}`", read[place + 1]
+    return None
 
 
 def _projected(read: list[Token], at: int) -> set[str]:

@@ -5,22 +5,25 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 
-from pyoxigraph import BlankNode, Literal, NamedNode
+from pyoxigraph import Literal, NamedNode, Triple
 
-from onto_compiler.rdf import BASE, OWL, RDF, RDFS, SH, XSD
+from onto_compiler.rdf import BASE, OWL, SH
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.paths import Path, sparql_path
-from onto_compiler.sparql import refusal
+from onto_compiler.sparql_faults.explain import query_fault, without_mark
+from onto_compiler.sparql_faults.fault import Fault
+from onto_compiler.terms import text_of
 
-__all__ = ["Parameter", "Reader", "local", "shown"]
+__all__ = ["Parameter", "Reader", "local"]
 
-_KNOWN = {"rdf": RDF, "rdfs": RDFS, "xsd": XSD, "sh": SH}
 _IMPORTS = NamedNode(OWL + "imports")
 _QUERIES = ("ask", "construct", "select", "update")
 _ANY_PATH = Path("predicate", NamedNode("urn:onto-evwm:path"))
-_PATH = re.compile(r"[$?]PATH\b")
+_PATH, _PATH_OF_THAT_LENGTH = re.compile(r"[$?]PATH\b"), "<p:p>"
+_DECLARE = 'declare it: sh:prefixes [ sh:declare [ sh:prefix "{prefix}" ; sh:namespace "{iri}"^^xsd:anyURI ] ]'
 _CODE, _HINT = NamedNode(BASE + "shapes#code"), NamedNode(BASE + "shapes#hint")
 
 
@@ -48,14 +51,18 @@ class Reader:
 
     def is_true(self, node: Term, name: str) -> bool:
         """Whether ``sh:name`` is true."""
-        return any(value.value == "true" for value in self.values(node, name))
+        return any(text_of(value) == "true" for value in self.values(node, name))
+
+    def messages(self, node: Term) -> tuple[Literal, ...]:
+        """The texts of ``sh:message``, one or more for each language."""
+        return tuple(value for value in self.values(node, "message") if isinstance(value, Literal))
 
     def texts(self, node: Term) -> tuple[str, str, str]:
         """Message, code and hint that a shape or constraint gives."""
         return self.text(node, "message"), self.text(node, _CODE), self.text(node, _HINT)
 
-    def prefixes(self, node: Term) -> str:
-        """The PREFIX lines that ``sh:prefixes`` of ``node`` stands for, imported ontologies included."""
+    def prefixes(self, node: Term) -> dict[str, str]:
+        """The namespaces that ``sh:prefixes`` of ``node`` declares, imported ontologies included, by prefix."""
         found: dict[str, str] = {}
         todo, seen = self.values(node, "prefixes"), set[Term]()
         while todo:
@@ -67,37 +74,36 @@ class Reader:
             for declaration in self.values(header, "declare"):
                 prefix, namespace = self.one(declaration, "prefix"), self.one(declaration, "namespace")
                 if prefix is not None and namespace is not None:
-                    found[prefix.value] = namespace.value
-        return "".join(f"PREFIX {prefix}: <{namespace}>\n" for prefix, namespace in sorted(found.items()))
+                    found[text_of(prefix)] = text_of(namespace)
+        return dict(sorted(found.items()))
 
-    def query(self, node: Term, name: str, path: Path | None = None) -> str | None:
+    def query(self, node: Term, name: str, path: Path | None = None, *, what: str = "the query") -> str | None:
         """The query ``sh:name`` of ``node`` as it is asked: prefixes in front, ``path`` in place of ``$PATH``.
 
-        This is the only way from a shapes graph to a query. None if there is none.
+        This is the only way from a shapes graph to a query, which ``what`` names. None where there is none.
 
         Raises:
-            ShapeFault: the query must not be run (QRY001 to QRY003), needs a path that ``node`` lacks, or mentions
-                SERVICE and is not SPARQL.
+            ShapeFault: the query must not be run (QRY001 to QRY003), is not SPARQL, or needs a path that ``node``
+                lacks; the place is in the text as its author wrote it.
 
         """
         text = self.one(node, name)
         if text is None:
             return None
-        body = text.value
-        if _PATH.search(body):
-            if path is None:
-                raise ShapeFault("`$PATH` stands in a query of a shape without a path", node, name, text)
-            body = _PATH.sub(lambda _: sparql_path(path), body)
-        whole = self.prefixes(node) + body
-        try:
-            refused = refusal(whole)
-        except SyntaxError as error:
-            reason = " ".join(str(error).partition(", [")[0].split())
-            raise ShapeFault(f"the query is not SPARQL: {reason}", node, name, text) from error
-        if refused is None:
-            return whole
-        place = refused.place(text.value)
-        raise ShapeFault(refused.message, node, name, text, code=refused.code, hint=refused.hint, inside=place)
+        if not isinstance(text, Literal):
+            raise ShapeFault(f"the value of sh:{name} is no text of a query", node, name, text)
+        written = text.value
+        if _PATH.search(written) and path is None:
+            raise ShapeFault("`$PATH` stands in a query of a shape without a path", node, name, text)
+        known = self.prefixes(node)
+        fault = _fault(_PATH.sub(_PATH_OF_THAT_LENGTH, written), tuple(known.items()))
+        if fault is not None:
+            code, inside = fault.code or "SHP002", (fault.start, fault.length)
+            said = fault.message if fault.code else f"{what} cannot run: {fault.message}"
+            raise ShapeFault(said, node, name, text, code=code, hint=fault.hint, inside=inside)
+        lines = "".join(f"PREFIX {prefix}: <{namespace}>\n" for prefix, namespace in known.items())
+        body = without_mark(written)
+        return lines + (body if path is None else _PATH.sub(lambda _: sparql_path(path), body))
 
     def refused(self) -> Iterator[ShapeFault]:
         """Every query of the graph that must not be run, whether anything uses it or not."""
@@ -147,9 +153,9 @@ class Parameter:
 
         """
         try:
-            return int(self.value.value)
+            return int(text_of(self.value))
         except ValueError:
-            raise self.fault(f"`{self.value.value}` stands where a whole number belongs") from None
+            raise self.fault(f"`{text_of(self.value)}` stands where a whole number belongs") from None
 
     def literal(self) -> Literal:
         """The value as a literal.
@@ -181,7 +187,7 @@ class Parameter:
             ShapeFault: where it is a literal.
 
         """
-        if isinstance(self.value, Literal):
+        if isinstance(self.value, (Literal, Triple)):
             raise self.fault(f"the value of sh:{self.name} is no shape")
         return self.reader.shape(self.value)
 
@@ -190,18 +196,11 @@ class Parameter:
         return self.reader.values(self.shape, name)
 
 
+@lru_cache(maxsize=256)
+def _fault(text: str, prefixes: tuple[tuple[str, str], ...]) -> Fault | None:
+    return query_fault(text, dict(prefixes), declare=_DECLARE)
+
+
 def local(iri: str) -> str:
     """An IRI of the SHACL namespace without it; any other as it is."""
     return iri.removeprefix(SH)
-
-
-def shown(term: Term) -> str:
-    """A term as a sentence names it."""
-    if isinstance(term, BlankNode):
-        return "a blank node"
-    if isinstance(term, Literal):
-        return f"`{term.value}`"
-    for prefix, namespace in _KNOWN.items():
-        if term.value.startswith(namespace):
-            return f"`{prefix}:{term.value[len(namespace) :]}`"
-    return f"`{term.value.rpartition('#')[2].rpartition('/')[2] or term.value}`"

@@ -8,19 +8,19 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import cast
 
-from pyoxigraph import Literal, NamedNode, QueryTriples, Triple
+from pyoxigraph import Literal, NamedNode, Triple
 
 from onto_compiler.rdf import RDF, SH
 from onto_compiler.shacl.compile import Compiler
 from onto_compiler.shacl.expressions import Expression, read_expression
 from onto_compiler.shacl.functions import declared_functions
-from onto_compiler.shacl.graph import Graph, Subject, Term
+from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import Run, ShapeFault, Shapes, Target
-from onto_compiler.shacl.prebinding import read_query
+from onto_compiler.shacl.prebinding import ask, read_query
 from onto_compiler.shacl.reader import Reader
 from onto_compiler.shacl.validate import Validation, focus_nodes
+from onto_compiler.terms import text_of
 
 __all__ = ["GraphRule", "RuleBase", "read_rule_base"]
 
@@ -110,7 +110,7 @@ def _rules(compiler: Compiler, shape: Term) -> Iterator[GraphRule]:
 def _rule(compiler: Compiler, shape: Term, node: Term, targets: tuple[Target, ...]) -> GraphRule:
     reader = Reader(compiler.reader.graph)
     conditions = tuple(reader.shape(condition) for condition in reader.values(node, "condition"))
-    kinds = {kind.value.removeprefix(SH) for kind in reader.values(node, NamedNode(RDF + "type"))}
+    kinds = {text_of(kind).removeprefix(SH) for kind in reader.values(node, NamedNode(RDF + "type"))}
     text = ""
     if "SPARQLRule" in kinds or reader.values(node, "construct"):
         text = _construct(reader, shape, node)
@@ -149,7 +149,7 @@ def _stating(reader: Reader, shape: Term, node: Term) -> Conclude:
 
 
 def _construct(reader: Reader, shape: Term, node: Term) -> str:
-    text = reader.query(node, "construct")
+    text = reader.query(node, "construct", what="the rule")
     if text is None:
         raise ShapeFault("a sh:SPARQLRule has no sh:construct", shape, "rule", node)
     return text
@@ -159,16 +159,12 @@ def _constructing(text: str, shape: Term, node: Term) -> Conclude:
     query = read_query(text, ("this",))
 
     def conclude(run: Run, focus: Term) -> Iterator[Triple]:
-        bound, functions = query.bind({"this": focus})
-        known = {**run.shapes.functions, **functions}
         try:
-            answer = run.data.store.query(bound, use_default_graph_as_union=True, custom_functions=known or None)
+            answer = ask(run.data.store, query, {"this": focus}, run.shapes.functions)
         except SyntaxError as error:
             raise ShapeFault(f"the rule cannot run: {' '.join(str(error).split())}", shape, "rule", node) from error
-        if not isinstance(answer, QueryTriples):
+        if answer.kind != "construct":
             raise ShapeFault("the sh:construct of a rule is no CONSTRUCT query", shape, "rule", node)
-        for triple in answer:
-            value = run.data.written(cast("Term", triple.object))
-            yield Triple(cast("Subject", triple.subject), triple.predicate, value)
+        yield from (Triple(*row) for row in answer.rows)
 
     return conclude

@@ -7,20 +7,23 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
-from pyoxigraph import NamedNode
+from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.rdf import RDFS, SH
 from onto_compiler.shacl.graph import Term
-from onto_compiler.shacl.model import Check, Custom, Hit, Run, ShapeFault
+from onto_compiler.shacl.model import Annotation, Check, Custom, Hit, Run, ShapeFault
 from onto_compiler.shacl.paths import Path
 from onto_compiler.shacl.prebinding import Query, read_query, unsupported
 from onto_compiler.shacl.reader import Reader, local
+from onto_compiler.terms import text_of
 
-__all__ = ["SHAPES_GRAPH", "Component", "components", "custom_checks", "fill", "sparql_check"]
+__all__ = ["SHAPES_GRAPH", "Component", "components", "custom_checks", "fill", "sparql_check", "sparql_custom"]
 
 SHAPES_GRAPH = NamedNode("urn:onto-evwm:shapesGraph")
 _ALWAYS = ("this", "shapesGraph", "currentShape")
+_SPARQL = "SPARQLConstraintComponent"
 _SLOT = re.compile(r"\{[?$](\w+)\}")
+Find = Callable[[Run, Term, Sequence[Term]], Iterable[Hit]]
 _SUBCLASS = NamedNode(RDFS + "subClassOf")
 
 
@@ -30,13 +33,21 @@ def fill(template: str, given: Mapping[str, Term]) -> str:
 
 
 def _plain(term: Term) -> str:
-    return term.value.rpartition("#")[2] if isinstance(term, NamedNode) else term.value
+    return term.value.rpartition("#")[2] if isinstance(term, NamedNode) else text_of(term)
 
 
-def _read(shape: Term, text: str, names: Sequence[str], constraint: Term) -> Query:
-    fault = unsupported(text, names)
-    if fault:
-        raise ShapeFault(fault, shape, "sparql", constraint)
+def _read(reader: Reader, holder: Term, name: str, text: str, names: Sequence[str]) -> Query:
+    """The query ``sh:name`` of ``holder``, which is asked as ``text``.
+
+    Raises:
+        ShapeFault: something in it may not stand beside pre-bound variables.
+
+    """
+    written = reader.one(holder, name)
+    found = unsupported(written.value, names) if isinstance(written, Literal) else None
+    if found is not None:
+        said, token = found
+        raise ShapeFault(said, holder, name, written, inside=(token.start, token.end - token.start))
     return read_query(text, names)
 
 
@@ -52,38 +63,54 @@ def sparql_check(reader: Reader, shape: Term, path: Path | None, constraint: Ter
     select = reader.query(constraint, "select", path)
     if select is None:
         raise ShapeFault("a sh:sparql constraint has no sh:select", shape, "sparql", constraint)
-    query = _read(shape, select, _ALWAYS, constraint)
+    query = _read(reader, constraint, "select", select, _ALWAYS)
+    message = reader.text(constraint, "message")
+    find = _selecting(query, shape, {}, _SPARQL, on_path=path is not None, message=message)
+    return sparql_custom(reader, constraint, find)
+
+
+def sparql_custom(reader: Reader, constraint: Term, find: Find) -> Custom:
+    """The check of a ``sh:sparql`` constraint whose violations ``find`` yields."""
     message, code, hint = reader.texts(constraint)
-    find = _selecting(query, shape, {}, "SPARQLConstraintComponent", on_path=path is not None, message=message)
-    return Custom("SPARQLConstraintComponent", find, "must not be selected by a query", message, code, hint)
+    messages, annotations = reader.messages(constraint), _annotations(reader, constraint)
+    said = "must not be selected by a query"
+    return Custom(_SPARQL, find, said, message, code, hint, messages, constraint, annotations)
+
+
+def _annotations(reader: Reader, constraint: Term) -> tuple[Annotation, ...]:
+    """What ``sh:resultAnnotation`` of a query asks for."""
+    found = []
+    for node in reader.values(constraint, "resultAnnotation"):
+        predicate, name = reader.one(node, "annotationProperty"), reader.one(node, "annotationVarName")
+        if not isinstance(predicate, NamedNode):
+            raise ShapeFault("a sh:resultAnnotation has no sh:annotationProperty", constraint, "resultAnnotation", node)
+        values = tuple(reader.values(node, "annotationValue"))
+        found.append(Annotation(predicate, text_of(name) if name is not None else _local_name(predicate), values))
+    return tuple(found)
 
 
 def _selecting(
     query: Query, shape: Term, given: Mapping[str, Term], component: str, *, on_path: bool, message: str
-) -> Callable[[Run, Term, Sequence[Term]], Iterable[Hit]]:
+) -> Find:
     """Each solution of a SELECT is a violation."""
     fixed = {**given, "currentShape": shape, "shapesGraph": SHAPES_GRAPH}
 
     def find(run: Run, focus: Term, _: Sequence[Term]) -> Iterator[Hit]:
         bound = {**fixed, "this": focus}
         for row in _solve(run, query, bound, shape, component):
-            found = row.get("value")
-            value = run.data.written(found) if found is not None else None if on_path else focus
+            value = row.get("value") or (None if on_path else focus)
             path = row.get("path")
             own = row.get("message")
-            text = fill(own.value if own is not None else message, {**bound, **row})
-            yield Hit(value, path if isinstance(path, NamedNode) else None, text, row.get("this"))
+            text = fill(text_of(own) if own is not None else message, {**bound, **row})
+            said = {**bound, **row}
+            yield Hit(value, path if isinstance(path, NamedNode) else None, text, row.get("this"), said)
 
     return find
 
 
 def _solve(run: Run, query: Query, given: Mapping[str, Term], shape: Term, component: str) -> Iterator[dict[str, Term]]:
     try:
-        try:
-            yield from run.select(*query.bind(given))
-        except SyntaxError:
-            # A literal cannot be written as a subject: bound by a function, it merely matches nothing.
-            yield from run.select(*query.bind_by_function(given))
+        yield from run.select(query, given)
     except (SyntaxError, ValueError, RuntimeError) as error:
         # Behind the first alternatives Oxigraph lists whole classes of characters.
         text = " ".join(str(error).partition(", [")[0].split())
@@ -97,6 +124,7 @@ class Component:
     iri: NamedNode
     parameters: Mapping[NamedNode, bool]
     message: str
+    messages: tuple[Literal, ...] = ()
 
     def applies(self, reader: Reader, shape: Term) -> bool:
         """Whether a shape has every parameter that is not optional."""
@@ -128,7 +156,8 @@ def components(reader: Reader) -> tuple[Component, ...]:
             if isinstance(path, NamedNode)
         }
         if not all(parameters.values()):
-            found.append(Component(one, parameters, reader.text(one, "message") or reader.text(one, "labelTemplate")))
+            message = reader.text(one, "message") or reader.text(one, "labelTemplate")
+            found.append(Component(one, parameters, message, reader.messages(one)))
     return tuple(sorted(found, key=lambda component: component.iri.value))
 
 
@@ -162,21 +191,22 @@ def _custom(
     declared = [_local_name(parameter) for parameter in component.parameters]
     select = reader.query(validator, "select", path)
     name = component.iri.value
-    find: Callable[[Run, Term, Sequence[Term]], Iterable[Hit]]
+    find: Find
     if select is not None:
-        query = _read(shape, select, (*_ALWAYS, *declared), validator)
+        query = _read(reader, validator, "select", select, (*_ALWAYS, *declared))
         find = _selecting(query, shape, given, name, on_path=path is not None, message=message)
     else:
         ask = reader.query(validator, "ask", path)
         assert ask is not None  # noqa: S101 - what makes a validator one
-        query = _read(shape, ask, (*_ALWAYS, "value", *declared), validator)
-        find = _ask_query(query, shape, given, name, message)
-    return Custom(name, find, f"must satisfy {_local_name(component.iri)}", fill(message, given))
+        query = _read(reader, validator, "ask", ask, (*_ALWAYS, "value", *declared))
+        find = _asking(query, shape, given, name, message)
+    messages = reader.messages(validator) or component.messages
+    annotations = _annotations(reader, validator)
+    expected = ("must satisfy ", component.iri)
+    return Custom(name, find, expected, fill(message, given), messages=messages, annotations=annotations)
 
 
-def _ask_query(
-    query: Query, shape: Term, given: Mapping[str, Term], component: str, message: str
-) -> Callable[[Run, Term, Sequence[Term]], Iterable[Hit]]:
+def _asking(query: Query, shape: Term, given: Mapping[str, Term], component: str, message: str) -> Find:
     """An ASK that is false for a value node is a violation."""
     fixed = {**given, "currentShape": shape, "shapesGraph": SHAPES_GRAPH}
 
@@ -184,6 +214,6 @@ def _ask_query(
         for value in values:
             bound = {**fixed, "this": focus, "value": value}
             if next(_solve(run, query, bound, shape, component), None) is None:
-                yield Hit(value, message=fill(message, bound))
+                yield Hit(value, message=fill(message, bound), bound=bound)
 
     return find

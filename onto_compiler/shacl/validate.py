@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any, cast
+from typing import cast
 
-from pyoxigraph import NamedNode, QueryBoolean, QuerySolutions, Store
+from pyoxigraph import Literal, NamedNode
 
+from onto_compiler.lexical.store import LexicalStore
 from onto_compiler.shacl.functions import Functions
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import (
+    Annotation,
     Check,
     Custom,
     Hit,
@@ -23,6 +25,7 @@ from onto_compiler.shacl.model import (
     Target,
 )
 from onto_compiler.shacl.paths import follow
+from onto_compiler.shacl.prebinding import Query, ask
 from onto_compiler.shacl.sparql import SHAPES_GRAPH, fill
 
 __all__ = ["Validation", "focus_nodes", "validate_graph"]
@@ -34,7 +37,7 @@ class Validation:
 
     data: Graph
     shapes: Shapes
-    _beside: Store | None = None
+    _beside: LexicalStore | None = None
     _open: list[tuple[Shape, Term]] = field(default_factory=list)  # few at a time, so that no set is faster
     _assumed: int = 0  # how often something still open was taken to hold
     _decided: dict[tuple[Term, Term], bool] = field(default_factory=dict)
@@ -84,23 +87,17 @@ class Validation:
         finally:
             self._open.remove(key)
 
-    def select(self, text: str, functions: Mapping[NamedNode, Callable[..., Any]]) -> Iterator[dict[str, Term]]:
+    def select(self, query: Query, given: Mapping[str, Term]) -> Iterator[dict[str, Term]]:
         """The solutions of a SELECT over the data; an ASK gives one empty solution, or none."""
         store, union = self.data.store, True
-        if "shapesGraph" in text:
+        if "shapesGraph" in query.text:
             self._beside = self._beside or self.data.beside(self.shapes.graph, SHAPES_GRAPH)
             store, union = self._beside, False
-        known = {**self.shapes.functions, **functions}
-        answer = store.query(text, use_default_graph_as_union=union, custom_functions=known or None)
-        if isinstance(answer, QueryBoolean):
-            if answer:
-                yield {}
-            return
-        if not isinstance(answer, QuerySolutions):
-            raise ValueError("a sh:select is no SELECT query")  # noqa: TRY004 - the text is at fault, not its type
-        names = [variable.value for variable in answer.variables]
-        for solution in answer:
-            yield {name: cast("Term", solution[name]) for name in names if solution[name] is not None}
+        answer = ask(store, query, given, self.shapes.functions, union=union)
+        if answer.kind == "construct":
+            raise ValueError("a sh:select is no SELECT query")
+        for row in answer.rows:
+            yield {name: term for name, term in zip(answer.names, row, strict=True) if term is not None}
 
 
 def _result(shape: Shape, focus: Term, check: Check, hit: Hit) -> ShapeResult:
@@ -109,6 +106,8 @@ def _result(shape: Shape, focus: Term, check: Check, hit: Hit) -> ShapeResult:
     value = hit.value
     message = hit.message or (own.message if own else "") or shape.message
     given = {"this": focus} | ({"value": value} if value is not None else {})
+    said = {**hit.bound, **given}
+    annotations = own.annotations if own else ()
     return ShapeResult(
         focus,
         hit.path or shape.path_node,
@@ -120,7 +119,28 @@ def _result(shape: Shape, focus: Term, check: Check, hit: Hit) -> ShapeResult:
         (own.code if own else "") or shape.code,
         (own.hint if own else "") or shape.hint,
         check.expected,
+        _messages(shape, own, said),
+        own.node if own else None,
+        tuple((one.property, value) for one in annotations for value in _annotated(one, said)),
     )
+
+
+def _messages(shape: Shape, own: Custom | None, said: Mapping[str, Term]) -> tuple[Literal, ...]:
+    """Every message of a result: the query's own, or the constraint's, or the shape's."""
+    told = said.get("message")
+    if isinstance(told, Literal):
+        return (_filled(told, said),)
+    return tuple(_filled(one, said) for one in (own.messages if own and own.messages else shape.messages))
+
+
+def _filled(message: Literal, said: Mapping[str, Term]) -> Literal:
+    text = fill(message.value, said)
+    return Literal(text, language=message.language, direction=message.direction) if message.language else Literal(text)
+
+
+def _annotated(annotation: Annotation, said: Mapping[str, Term]) -> tuple[Term, ...]:
+    found = said.get(annotation.name)
+    return annotation.values if found is None else (found,)
 
 
 def focus_nodes(data: Graph, targets: Iterable[Target]) -> Iterable[Term]:
@@ -142,17 +162,15 @@ def focus_nodes(data: Graph, targets: Iterable[Target]) -> Iterable[Term]:
 
 
 def _selected(data: Graph, target: Target) -> Iterator[Term]:
+    assert target.query is not None  # noqa: S101 - what the kind says
     try:
-        answer = data.store.query(target.query, use_default_graph_as_union=True)
+        answer = ask(data.store, target.query, target.given)
     except SyntaxError as error:
         text = " ".join(str(error).partition(", [")[0].split())
         raise ShapeFault(f"the query of a target cannot run: {text}", target.term) from error
-    if not isinstance(answer, QuerySolutions):
+    if answer.kind != "select":
         raise ShapeFault("the query of a target is no SELECT", target.term)
-    for row in answer:
-        node = cast("Term | None", row[0])
-        if node is not None:
-            yield data.written(node)
+    return (row[0] for row in answer.rows if row[0] is not None)
 
 
 def validate_graph(data: Graph, shapes: Shapes, faults: list[ShapeFault] | None = None) -> tuple[ShapeResult, ...]:

@@ -25,7 +25,7 @@ _DATE = r"(?P<year>-?(?:[1-9]\d{3,}|0\d{3}))-(?P<month>0[1-9]|1[0-2])-(?P<day>0[
 _TIME = r"(?:(?P<hour>[01]\d|2[0-3]):(?P<minute>[0-5]\d):(?P<second>[0-5]\d(?:\.\d+)?)|(?P<midnight>24:00:00(?:\.0+)?))"
 _DAY_TIME = r"(?:\d+D)?(?:T(?=\d)(?:\d+H)?(?:\d+M)?(?:\d+(?:\.\d+)?S)?)?"
 _PATTERNS = {
-    "anyURI": r"[^\x00-\x20<>\"{}|\\^`]*",
+    "anyURI": r"(?s:.*)",  # whatever may be escaped (part 2, section 3.3.17)
     "base64Binary": r"(?:(?:[A-Za-z0-9+/] ?){4})*(?:(?:[A-Za-z0-9+/] ?){2}= ?=|(?:[A-Za-z0-9+/] ?){3}=)?",
     "boolean": r"true|false|1|0",
     "date": _DATE + _ZONE,

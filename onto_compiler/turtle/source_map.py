@@ -11,17 +11,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import cast
 
-from pyoxigraph import BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Triple, parse
+from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Triple, parse
 
 from onto_compiler.problems import Span
 from onto_compiler.rdf import RDF, XSD
+from onto_compiler.terms import Term
 from onto_compiler.turtle.limits import MAX_DEPTH
 from onto_compiler.turtle.tokens import SourceText, Token, position_in_literal, tokens, unescape
 
 __all__ = ["Located", "Prefix", "SourceMap", "Term", "canonical", "map_text", "read_map"]
 
-Term = NamedNode | BlankNode | Literal
-_FIRST, _REST, _NIL, _TYPE = (NamedNode(RDF + name) for name in ("first", "rest", "nil", "type"))
+_FIRST, _REST, _NIL, _TYPE, _REIFIES = (NamedNode(RDF + name) for name in ("first", "rest", "nil", "type", "reifies"))
+_DIRECTIVES = frozenset(("@PREFIX", "@BASE", "@VERSION", "PREFIX", "BASE", "VERSION"))
 _END = Token("end", "", 0, 0)
 
 
@@ -172,14 +173,16 @@ class _Walker:
 
     def statement(self) -> None:
         word = self.peek
-        if word.text in {"@prefix", "@base"} or (word.kind == "word" and word.text.upper() in {"PREFIX", "BASE"}):
+        if word.kind in {"at", "word"} and word.text.upper() in _DIRECTIVES:
             self.directive()
         elif not self.enters_graph() and self.take("}") is None:
             self.triples()
 
     def directive(self) -> None:
         word = self.next()
-        if word.text.upper().endswith("PREFIX"):
+        if word.text.upper().endswith("VERSION"):
+            self.next()
+        elif word.text.upper().endswith("PREFIX"):
             name = self.next()
             target = self.next()
             if name.kind != "name" or target.kind != "iri":
@@ -201,6 +204,11 @@ class _Walker:
         else:
             if self.peek.text == "(":
                 subject = self.collection()
+            elif self.opens("<", "<"):
+                subject = self.reified()
+                if self.peek.text == ".":  # its triple was all that was to be stated
+                    self.next()
+                    return
             elif (named := self.resource(self.next())) is not None:
                 subject = named
             else:
@@ -231,12 +239,13 @@ class _Walker:
                 token = self.peek
                 value = self.object()
                 self.result.triples.append(Located(subject, predicate, value, at_subject, verb, token))
+                self.annotations(Triple(subject, predicate, value), token)
                 if self.take(",") is None:
                     break
             ended = False
             while self.take(";") is not None:
                 ended = True
-            if not ended or self.peek.text in {".", "]", "}", ""}:
+            if not ended or self.peek.text in {".", "]", "}", "|", ""}:
                 return
 
     def object(self) -> Term:
@@ -245,9 +254,77 @@ class _Walker:
             return self.anonymous()
         if token.kind == "mark" and token.text == "(":
             return self.collection()
+        if self.opens("<", "<", "("):
+            return self.triple_term()
+        if self.opens("<", "<"):
+            return self.reified()
         self.next()
         named = self.resource(token)
         return named if named is not None else self.literal(token)
+
+    # Turtle 1.2
+
+    def opens(self, *texts: str) -> bool:
+        """Whether the next tokens are ``texts``."""
+        return tuple(token.text for token in self.tokens[self.at : self.at + len(texts)]) == texts
+
+    def triple_term(self) -> Triple:
+        """``<<( subject predicate object )>>``."""
+        self.at += 2
+        self.descend("(")
+        found = self.parts()
+        for mark in ")>>":
+            self.expect(mark)
+        self.depth -= 1
+        return found
+
+    def direction(self) -> BaseDirection | None:
+        """``--ltr`` or ``--rtl`` behind a language."""
+        if not (self.opens("-", "-", "ltr") or self.opens("-", "-", "rtl")):
+            return None
+        self.at += 3
+        return BaseDirection(self.tokens[self.at - 1].text)
+
+    def reified(self) -> NamedNode | BlankNode:
+        """``<< subject predicate object ~ reifier >>``, which states that the reifier reifies the triple."""
+        opening = self.next()
+        self.descend("<")
+        found = self.parts()
+        reifier = self.reifier(found, opening) if self.peek.text == "~" else None
+        for mark in ">>":
+            self.expect(mark)
+        self.depth -= 1
+        return reifier or self.reifies(BlankNode(), found, opening)
+
+    def parts(self) -> Triple:
+        """The three terms of a triple within another."""
+        subject, verb = self.object(), self.next()
+        predicate = _TYPE if verb.kind == "word" and verb.text == "a" else self.resource(verb)
+        if isinstance(subject, (Literal, Triple)) or not isinstance(predicate, NamedNode):
+            raise _Unreadable
+        return Triple(subject, predicate, self.object())
+
+    def reifier(self, triple: Triple, at: Token) -> NamedNode | BlankNode:
+        """``~ name``, where the name may be left out."""
+        self.expect("~")
+        named = self.resource(self.next()) if self.peek.kind in {"iri", "name", "blank"} else None
+        return self.reifies(named or BlankNode(), triple, at)
+
+    def reifies(self, reifier: NamedNode | BlankNode, triple: Triple, at: Token) -> NamedNode | BlankNode:
+        self.result.triples.append(Located(reifier, _REIFIES, triple, at, at, at))
+        return reifier
+
+    def annotations(self, triple: Triple, at: Token) -> None:
+        """``~ reifier {| properties |}`` behind an object, each any number of times; as Oxigraph, a name stays."""
+        reifier: NamedNode | BlankNode | None = None
+        while self.peek.text == "~" or self.opens("{", "|"):
+            if self.peek.text == "~":
+                reifier = self.reifier(triple, at)
+                continue
+            self.at += 2
+            self.properties(reifier or self.reifies(BlankNode(), triple, at), at)
+            self.expect("|")
+            self.expect("}")
 
     def anonymous(self) -> BlankNode:
         opening = self.descend("[")
@@ -300,7 +377,7 @@ class _Walker:
                 quote = 3 if token.text[:3] in {'"""', "'''"} and len(token.text) >= 6 else 1
                 value = unescape(token.text[quote:-quote])
                 if self.peek.kind == "at":
-                    return Literal(value, language=self.next().text[1:])
+                    return Literal(value, language=self.next().text[1:], direction=self.direction())
                 if self.peek.kind == "datatype":
                     self.next()
                     datatype = self.resource(self.next())

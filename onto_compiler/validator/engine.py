@@ -10,7 +10,7 @@ from pyoxigraph import NamedNode
 from onto_compiler.shacl.graph import Term
 from onto_compiler.shacl.model import Check, Custom, Hit, Run, Shape, Shapes
 from onto_compiler.shacl.reader import Reader
-from onto_compiler.shacl.sparql import fill
+from onto_compiler.shacl.sparql import fill, sparql_custom
 from onto_compiler.validator.implications import IMPLICATIONS, Implication, query_key
 
 __all__ = ["with_implications"]
@@ -37,12 +37,12 @@ def _native(reader: Reader, shape: Shape) -> Shape:
 
 
 def _check(reader: Reader, constraint: Term, implication: Implication) -> Check:
-    message, code, hint = reader.texts(constraint)
+    message = reader.text(constraint, "message")
 
     def find(run: Run, focus: Term, _: Sequence[Term]) -> Iterator[Hit]:
         for row in implication(run.data, focus):
             path = row["path"]
-            text = fill(message, {**row, "this": focus})
-            yield Hit(row["value"], path if isinstance(path, NamedNode) else None, text)
+            bound = {**row, "this": focus}
+            yield Hit(row["value"], path if isinstance(path, NamedNode) else None, fill(message, bound), bound=bound)
 
-    return Custom(_COMPONENT, find, "must not be selected by a query", message, code, hint)
+    return sparql_custom(reader, constraint, find)

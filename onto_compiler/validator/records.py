@@ -15,8 +15,10 @@ from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import Nested, Shape, ShapeFault, ShapeResult, Shapes
 from onto_compiler.shacl.overlay import Overlay
+from onto_compiler.shacl.severity import level
 from onto_compiler.shacl.validate import validate_graph
 from onto_compiler.sources import collect, read_into
+from onto_compiler.terms import sentence, show
 from onto_compiler.validator.engine import with_implications
 from ontology import turtle_files
 
@@ -110,16 +112,20 @@ def _read(extra: Sequence[Path | str]) -> Validator:
     return validator
 
 
+def _shape(node: Term) -> str:
+    return f"the shape `{show(node)}`" if isinstance(node, NamedNode) else "a shape within it"
+
+
 def problem_of(result: ShapeResult, home: Term, name: Callable[[Term], str], span: Span = NOWHERE) -> Problem:
     """What ``result`` states of a record as a problem at ``span``; ``name`` is how its terms are called.
 
     ``home`` is the shape to name (:meth:`Validator.home`).
     """
-    expected = result.message or result.expected
+    expected = result.message or sentence(result.expected, show, _shape)
     if not result.message and isinstance(result.path, NamedNode):
         expected = f"violates `{shorten(result.path.value)}`: {expected}"
     found = f", and has {name(result.value)}" if result.value is not None and result.path is not None else ""
     shape = f" ({shorten(home.value)})" if isinstance(home, NamedNode) else ""
     hint = result.hint or "correct what made the record, or the shape; see `onto explain SHP001`"
-    severity = "error" if result.severity == "Violation" else "warning"
-    return Problem.at(span, result.code or "SHP001", f"{name(result.focus)} {expected}{found}{shape}", hint, severity)
+    message = f"{name(result.focus)} {expected}{found}{shape}"
+    return Problem.at(span, result.code or "SHP001", message, hint, level(result.severity))

@@ -15,6 +15,7 @@ from onto_compiler.problems import OntoError
 from onto_compiler.rdf import RDF, TRACE, node, shorten
 from onto_compiler.schema import Schema
 from onto_compiler.shacl.graph import Term
+from onto_compiler.terms import text_of
 from onto_compiler.validator.records import Validator, problem_of
 from runtime.loop.records import Episode
 from runtime.trace.names import RUNS, iri_of
@@ -74,4 +75,4 @@ def refuse_invalid(validator: Validator, quads: Iterable[Quad]) -> None:
 
 def _name(term: Term) -> str:
     """A term in one word; a record by its place in its run."""
-    return f"`{shorten(term.value).removeprefix(RUNS) if isinstance(term, NamedNode) else term.value}`"
+    return f"`{shorten(term.value).removeprefix(RUNS) if isinstance(term, NamedNode) else text_of(term)}`"

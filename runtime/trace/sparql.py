@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pyoxigraph import BlankNode, Literal, NamedNode, QueryBoolean, QuerySolutions, Store, Triple
+from pyoxigraph import BlankNode, Literal, NamedNode, Store, Triple
 
 import ontology
+from onto_compiler.lexical.store import LexicalStore, Rows
 from onto_compiler.problems import OntoError, Problem, near
 from onto_compiler.rdf import PREFIXES, XSD, shorten
-from onto_compiler.sparql import refusal
+from onto_compiler.shacl.values import is_well_formed
+from onto_compiler.sparql_faults.explain import query_fault, without_mark
+from onto_compiler.terms import show
 from onto_compiler.turtle.tokens import SourceText
 from runtime.trace.names import RUNS
 
@@ -21,8 +23,6 @@ __all__ = ["Answer", "NamedQuery", "ask", "csv_rows", "named_queries", "named_qu
 
 Cell = NamedNode | BlankNode | Literal | Triple | None
 
-_PLACE = re.compile(r"error at (\d+):(\d+): ")
-_LONGEST = 160
 _INTEGERS = frozenset(XSD + name for name in ("integer", "int", "long", "nonNegativeInteger"))
 _NUMBERS = frozenset(XSD + name for name in ("double", "float", "decimal"))
 
@@ -52,86 +52,33 @@ class Answer:
         return [dict(zip(self.columns, map(plain, row), strict=True)) for row in self.rows]
 
 
-def ask(store: Store, query: str, *, name: str = "", file: str = "") -> Answer:
+def ask(store: Store | LexicalStore, query: str, *, name: str = "", file: str = "") -> Answer:
     """Run ``query`` over all graphs of ``store`` together; our prefixes need no declaration.
 
     Raises:
         OntoError: TRC004 if the query is no SPARQL or cannot be evaluated; QRY001 to QRY003 if it would reach
             the network, change the trace, or ask for graphs that are not in it.
     """
-    graphs = {graph.value for graph in store.named_graphs()}
+    asked = store if isinstance(store, LexicalStore) else LexicalStore(store=store)
+    graphs = {graph.value for graph in asked.store.named_graphs()}
+    fault = query_fault(query, PREFIXES, graphs=graphs)
+    if fault is not None:
+        span = SourceText(file, query).span(fault.start, fault.start + fault.length)
+        message = fault.message if fault.code else f"not SPARQL: {fault.message}"
+        hint = fault.hint or "see `onto trace query --help`"
+        raise OntoError(Problem.at(span, fault.code or "TRC004", message, hint))
     try:
-        refused = refusal(query, prefixes=PREFIXES, graphs=graphs)
-        if refused is not None:
-            start, length = refused.place(query)
-            span = SourceText(file, query).span(start, start + length)
-            raise OntoError(Problem.at(span, refused.code, refused.message, refused.hint))
-        result = store.query(query, prefixes=PREFIXES, use_default_graph_as_union=True)
-        columns, rows = _table(result)
-    except SyntaxError as error:
-        raise OntoError(_syntax_problem(str(error), query, file)) from error
+        columns, rows = _table(asked.ask(without_mark(query), prefixes=PREFIXES))
     except (RuntimeError, ValueError, OSError) as error:
         raise OntoError.of("TRC004", f"the query cannot be evaluated: {error}", "", file) from error
     return Answer(name, _question(query), query, columns, rows)
 
 
-def _table(result: Any) -> tuple[tuple[str, ...], tuple[tuple[Cell, ...], ...]]:  # noqa: ANN401 - a union of classes
-    if isinstance(result, QueryBoolean):
-        truth = Literal("true" if result else "false", datatype=NamedNode(XSD + "boolean"))
+def _table(answer: Rows) -> tuple[tuple[str, ...], tuple[tuple[Cell, ...], ...]]:
+    if answer.kind == "ask":
+        truth = Literal("true" if list(answer.rows) else "false", datatype=NamedNode(XSD + "boolean"))
         return ("answer",), ((truth,),)
-    if isinstance(result, QuerySolutions):
-        variables = result.variables
-        return tuple(v.value for v in variables), tuple(tuple(row[v] for v in variables) for row in result)
-    triples = tuple((triple.subject, triple.predicate, triple.object) for triple in result)
-    return ("subject", "predicate", "object"), triples
-
-
-def _syntax_problem(text: str, query: str, file: str) -> Problem:
-    place = _PLACE.match(text)
-    line, column = (int(place[1]), int(place[2])) if place else (0, 0)
-    message = " ".join(_PLACE.sub("", text).split())
-    if "Prefix not found" in message:
-        prefix = _word(query, line, column).partition(":")[0]
-        hint = f"add a line `PREFIX {prefix}: <...>`"
-        return Problem(file, line, column, "TRC004", "error", f"the prefix `{prefix}:` is not declared", hint)
-    if len(message) > _LONGEST:
-        message = message[:_LONGEST].rsplit(",", 1)[0] + " ..."
-    message = message.replace(", [_]", "").replace("[_]", "more text")
-    # Oxigraph often blames the end of the text for what went wrong before it.
-    if (line, column) > _end(query):
-        line, column, message = _second_opinion(query) or (*_end(query), message)
-    return Problem(file, line, column, "TRC004", "error", f"not SPARQL: {message}", "see `onto trace query --help`")
-
-
-def _end(query: str) -> tuple[int, int]:
-    """Line and column of the last character that is no white space."""
-    lines = query.rstrip().splitlines() or [""]
-    return len(lines), max(len(lines[-1]), 1)
-
-
-def _word(query: str, line: int, column: int) -> str:
-    """The word of ``query`` that surrounds a place."""
-    text = query.splitlines()[line - 1]
-    start = max((text.rfind(mark, 0, column - 1) for mark in " \t{}()"), default=-1) + 1
-    return text[start:].split()[0] if text[start:].split() else ""
-
-
-def _second_opinion(query: str) -> tuple[int, int, str] | None:
-    """Where and why rdflib's parser rejects ``query``; None if it does not."""
-    from pyparsing import ParseException  # noqa: PLC0415 - only a faulty query needs it
-    from rdflib.plugins.sparql.parser import parseQuery  # noqa: PLC0415
-
-    try:
-        parseQuery(query)
-    except ParseException as error:
-        if (error.lineno, error.column) <= _end(query):
-            return (
-                error.lineno,
-                error.column,
-                f"what begins with `{_word(query, error.lineno, error.column)}` is not understood",
-            )
-        return *_end(query), "the query ends before it is complete"
-    return None
+    return answer.names, tuple(answer.rows)
 
 
 def named_queries() -> dict[str, NamedQuery]:
@@ -158,7 +105,7 @@ def _read(file: Path) -> NamedQuery:
 
 
 def _question(query: str) -> str:
-    first = query.lstrip().partition("\n")[0]
+    first = without_mark(query).lstrip().partition("\n")[0]
     return first.removeprefix("#").strip() if first.startswith("#") else ""
 
 
@@ -167,13 +114,13 @@ def plain(term: Cell) -> str | int | float | bool | None:
     if term is None:
         return None
     if not isinstance(term, Literal):
+        if isinstance(term, Triple):
+            return f"<<( {term} )>>"
         return term.value if isinstance(term, NamedNode) else str(term)
-    kind = term.datatype.value
-    if kind in _INTEGERS:
-        return int(term.value)
-    if kind in _NUMBERS:
-        return float(term.value)
-    return term.value == "true" if kind == XSD + "boolean" else term.value
+    kind, sound = term.datatype.value, is_well_formed(term)
+    if sound and kind in _INTEGERS | _NUMBERS:
+        return int(term.value) if kind in _INTEGERS else float(term.value)
+    return term.value in {"true", "1"} if sound and kind == XSD + "boolean" else term.value
 
 
 def words(term: Cell) -> str:
@@ -181,6 +128,8 @@ def words(term: Cell) -> str:
     if isinstance(term, NamedNode):
         iri = term.value
         return f"run:{iri.removeprefix(RUNS)}" if iri.startswith(RUNS) else shorten(iri)
+    if isinstance(term, Triple):
+        return show(term)
     value = plain(term)
     if isinstance(value, bool):
         return "yes" if value else "no"

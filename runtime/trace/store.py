@@ -11,9 +11,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, serialize
+from pyoxigraph import DefaultGraph, NamedNode, Quad, RdfFormat, Store, parse, serialize
 
 from onto_compiler.closing import Closing
+from onto_compiler.lexical.store import LexicalStore
+from onto_compiler.lexical.terms import respelled
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import ALIGNED, PREFIXES, RDF
 from onto_compiler.schema import Schema
@@ -141,10 +143,11 @@ class Trace:
     store: Store
     source: Path
     _copy: tempfile.TemporaryDirectory[str] | None = field(default=None, repr=False)  # lives as long as the store
+    _written: LexicalStore | None = field(default=None, repr=False)  # the same, where the store spells values again
 
     def query(self, sparql: str, *, name: str = "", file: str = "") -> Answer:
         """Query the trace, all graphs together; raises as :func:`runtime.trace.sparql.ask`."""
-        return ask(self.store, sparql, name=name, file=file)
+        return ask(self._written or self.store, sparql, name=name, file=file)
 
     def episodes(self) -> tuple[str, ...]:
         """The IRIs of all recorded episodes."""
@@ -168,9 +171,12 @@ def open_trace(path: Path | str, *, ontology: Sequence[Path | str] = ()) -> Trac
         raise OntoError.of(
             "TRC002", f"`{path}` does not exist", "give a trace file or the folder of a store", str(path)
         )
-    trace = _open_folder(source) if source.is_dir() else Trace(_open_file(source), source)
+    trace = _open_folder(source) if source.is_dir() else _open_file(source)
     if not holds_vocabulary(trace.store):
-        trace.store.extend(vocabulary(ontology))
+        terms = list(vocabulary(ontology))
+        trace.store.extend(terms)
+        if trace._written is not None:  # noqa: SLF001 - its own
+            trace._written.extend(terms)  # noqa: SLF001
     return trace
 
 
@@ -218,7 +224,7 @@ def _open_folder(source: Path) -> Trace:
             return _open_folder(source / "store")
         dumps = [file for file in sorted(source.glob("trace.*")) if _format(file) is not None]
         if dumps:
-            return Trace(_open_file(dumps[0]), dumps[0])
+            return _open_file(dumps[0])
         raise OntoError.of("TRC002", f"`{source}` holds no trace", "give a trace file or the folder of a store")
     for _ in range(_COPIES):
         # Oxigraph's threads may still write while the copy is being removed; the rest is the system's to clean.
@@ -234,7 +240,7 @@ def _open_folder(source: Path) -> Trace:
     raise OntoError.of("TRC003", f"`{source}` is not a readable store", hint)
 
 
-def _open_file(source: Path) -> Store:
+def _open_file(source: Path) -> Trace:
     rdf_format = _format(source)
     if rdf_format is None:
         hint = f"give a store's folder, or a file that ends in {', '.join(FORMATS)}"
@@ -242,14 +248,17 @@ def _open_file(source: Path) -> Store:
     store = Store()
     try:
         data = gzip.decompress(source.read_bytes()) if source.suffix == ".gz" else source.read_bytes()
-        store.load(data, format=rdf_format)
+        read = parse(data, format=rdf_format, rename_blank_nodes=True)
+        found = [one if isinstance(one, Quad) else Quad(one.subject, one.predicate, one.object) for one in read]
     except SyntaxError as error:
         message = f"the trace does not parse: {error.msg}"
         problem = Problem(str(source), error.lineno or 0, error.offset or 0, "TRC003", "error", message, _AGAIN)
         raise OntoError(problem) from error
     except (OSError, EOFError, UnicodeDecodeError) as error:
         raise OntoError.of("TRC003", f"the trace cannot be read: {error}", _AGAIN, str(source)) from error
-    return store
+    store.bulk_extend(found)
+    written = LexicalStore(found) if respelled({quad.object for quad in found}) else None
+    return Trace(store, source, _written=written)
 
 
 def _format(file: Path) -> RdfFormat | None:

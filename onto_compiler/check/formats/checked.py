@@ -2,26 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
-from onto_compiler.problems import Problem
+from onto_compiler.problems import Problem, Span
 
-__all__ = ["Checked"]
+__all__ = ["Checked", "Repair"]
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """The mechanical repair of a problem: ``text`` takes the place of ``span``; ``done`` says it in the past tense."""
+
+    span: Span
+    text: str
+    done: str
 
 
 @dataclass(frozen=True)
 class Checked:
     """Problems in file order; ``files`` are all that were checked, clean ones included, as they are displayed.
 
-    ``texts`` holds the text of files that are not (or not yet) on disk in this form.
+    ``texts`` holds the text of files that are not (or not yet) on disk in this form, and ``repairs`` is what ``--fix``
+    would do.
     """
 
     problems: tuple[Problem, ...]
     files: tuple[str, ...]
     fail_on: str = "error"  # "error" | "warning": the least severity that fails
     texts: dict[str, str] = field(default_factory=dict)
+    repairs: Mapping[Problem, Repair] = field(default_factory=dict)
 
     @cached_property
     def failures(self) -> tuple[Problem, ...]:

@@ -125,7 +125,10 @@ def test_a_datatype_is_judged_as_the_file_writes_it(value, problems, tmp_path):
     shape = "ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:property [ sh:path ex:p ; sh:datatype xsd:byte ] ."
     path.write_text(f"{PREFIXES}{shape} ex:a ex:p {value} .")
     found = [p.message for p in check([path]).problems if p.code == "SHP001"]
-    assert found == ["`ex:a` violates a shape: must be a literal of the datatype `xsd:byte`"] * problems
+    assert (
+        found
+        == ["`ex:a` violates the property shape of `ex:p`: must be a literal of the datatype `xsd:byte`"] * problems
+    )
 
 
 def test_a_deactivated_shape_is_not_run():

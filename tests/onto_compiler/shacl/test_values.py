@@ -57,6 +57,10 @@ def test_lexical_forms(kind, good, bad):
         ("byte", "9" * 5000, False),
         ("double", "0x1p3", False),
         ("string", "", True),
+        ("anyURI", "http://a b", True),
+        ("anyURI", "rel/x", True),
+        ("anyURI", "", True),
+        ("anyURI", "{a}\n\\<b>", True),
     ],
 )
 def test_what_python_reads_otherwise_is_read_as_xml_schema_has_it(kind, text, good):

@@ -14,6 +14,7 @@ import ontology
 from onto_compiler.check.finding import Term
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import OWL, RDF, prologue
+from onto_compiler.reasoning.axioms import Axioms, read_axioms
 from onto_compiler.shacl.graph import Graph
 from onto_compiler.sources import collect, graph_of, read_into
 
@@ -41,6 +42,11 @@ class Model:
     def graph(self) -> Graph:
         """All files together, for shapes."""
         return Graph(self.written, self.store)
+
+    @cached_property
+    def axioms(self) -> Axioms:
+        """What all files say of classes, properties and individuals."""
+        return read_axioms(self.store)
 
     @cached_property
     def triples(self) -> int:

@@ -11,6 +11,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode
 
 from onto_compiler.check.bindings import check_bindings
 from onto_compiler.check.consistency import check_consistency
+from onto_compiler.check.domains import check_domains
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.hierarchy import check_hierarchy
 from onto_compiler.check.model import Model, load_model
@@ -56,7 +57,13 @@ def check_model(model: Model) -> tuple[Problem, ...]:
     """Every problem of the model's reported files, in file order."""
     problems = list(check_prefixes(model))
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
-    findings += [*check_hierarchy(model), *check_terms(model), *check_rules(model), *check_bindings(model)]
+    findings += [
+        *check_hierarchy(model),
+        *check_domains(model),
+        *check_terms(model),
+        *check_rules(model),
+        *check_bindings(model),
+    ]
     findings += _shape_findings(model)
     # A value of the wrong class is often a contradiction too; the first word on a triple is the clearer one.
     reported = {(finding.subject, finding.predicate, finding.object) for finding in findings}

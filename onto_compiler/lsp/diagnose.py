@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pyoxigraph import Store
 
+from onto_compiler.check.domains import check_domains
 from onto_compiler.check.hierarchy import check_hierarchy
 from onto_compiler.check.locate import locate
 from onto_compiler.check.model import load_model
@@ -40,7 +41,7 @@ def quick_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Probl
     except OntoError as error:
         return _own(path, error.problems)
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
-    findings += check_hierarchy(model)
+    findings += [*check_hierarchy(model), *check_domains(model)]
     problems = {*check_prefixes(model), *(locate(model, findings) if findings else ())}
     return _own(path, sorted(problems))
 

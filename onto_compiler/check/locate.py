@@ -23,6 +23,7 @@ from onto_compiler.turtle.source_map import Located, SourceMap, map_text
 __all__ = ["locate"]
 
 _TYPE = NamedNode(RDF + "type")
+_COMPARISONS = 200_000  # of misspelt names with declared ones: a second or two
 _SLOT = re.compile(r"\{(\w+)\}")
 
 
@@ -79,6 +80,7 @@ class _Places:
     model: Model
     path: Path
     _meant: dict[str, str] = field(default_factory=dict)
+    _compared: int = 0
 
     @cached_property
     def map(self) -> SourceMap:
@@ -91,10 +93,22 @@ class _Places:
         return same_blanks((quad for quad in self.model.written if quad.graph_name == graph), self.map.triples)
 
     @cached_property
-    def declared(self) -> list[str]:
-        """Every name that has a type, as this file writes it."""
+    def declared(self) -> dict[str, list[str]]:
+        """Every name that has a type, as this file writes it, by its local part in lower case."""
         rows = self.model.rows("SELECT DISTINCT ?term WHERE { ?term a ?any FILTER isIRI(?term) }")
-        return sorted({_shown(row["term"], self.map) for row in rows})
+        found: dict[str, list[str]] = {}
+        for name in sorted({_shown(row["term"], self.map) for row in rows}):
+            found.setdefault(name.partition(":")[2].lower(), []).append(name)
+        return found
+
+    @cached_property
+    def beside(self) -> dict[str, list[str]]:
+        """The local parts of those names, by their prefix."""
+        found: dict[str, list[str]] = {}
+        for name in sorted(name for names in self.declared.values() for name in names):
+            prefix, _, local = name.partition(":")
+            found.setdefault(prefix, []).append(local)
+        return found
 
     def problem(self, finding: Finding) -> Problem:
         """The finding as a problem of this file."""
@@ -112,10 +126,18 @@ class _Places:
         return Problem.at(self.span(finding), finding.code, fill(finding.message), hint, finding.severity)
 
     def meant(self, own: str) -> str:
-        """What ``own``, which nothing declares, may be meant for."""
+        """What ``own``, which nothing declares, may be meant for; nothing any more after very many comparisons."""
         if own not in self._meant:
-            self._meant[own] = _meant(own, [name for name in self.declared if name != own])
-        return self._meant[own]
+            prefix, _, local = own.partition(":")
+            same = [name for name in self.declared.get(local.lower(), ()) if name != own]
+            if same:
+                self._meant[own] = f"did you mean `{same[0]}`?"
+            elif self._compared <= _COMPARISONS:
+                beside = self.beside.get(prefix, [])
+                self._compared += len(beside)
+                similar = near(local, [name for name in beside if name != local])
+                self._meant[own] = similar.replace("`", f"`{prefix}:", 1)
+        return self._meant.get(own, "")
 
     def span(self, finding: Finding) -> Span:
         """The narrowest place that the finding has in this file."""
@@ -136,16 +158,6 @@ class _Places:
         if finding.inside is not None and token.kind == "string":
             return self.map.inside(token, *finding.inside)
         return self.map.span(token)
-
-
-def _meant(own: str, declared: list[str]) -> str:
-    """The same local name under another prefix, or else a similar one under the same prefix."""
-    prefix, _, local = own.partition(":")
-    same = [name for name in declared if name.partition(":")[2].lower() == local.lower()]
-    if same:
-        return f"did you mean `{same[0]}`?"
-    similar = near(local, [name.partition(":")[2] for name in declared if name.partition(":")[0] == prefix])
-    return similar.replace("`", f"`{prefix}:", 1)
 
 
 def _shown(value: Term | str, source_map: SourceMap) -> str:

@@ -14,12 +14,14 @@ from onto_compiler.check.consistency import check_consistency
 from onto_compiler.check.domains import check_domains
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.hierarchy import check_hierarchy
+from onto_compiler.check.house import House
 from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.prefixes import check_prefixes
 from onto_compiler.check.profile_dl import check_dl
 from onto_compiler.check.profile_rl import check_rl
 from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.rules import check_rules
+from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.check.terms import check_terms
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import SH, shorten
@@ -40,7 +42,9 @@ class Report:
     triples: int
 
 
-def check(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None) -> Report:
+def check(
+    paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None, settings: Settings = DEFAULT
+) -> Report:
     """Check ``paths`` before the shipped ontology, or the shipped ontology itself; ``texts`` as :func:`load_model`.
 
     A file that is missing or is not Turtle is a problem as any other; nothing else is then checked, because what such a
@@ -50,12 +54,13 @@ def check(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = N
         model = load_model(paths, texts)
     except OntoError as error:
         return Report(error.problems, tuple(dict.fromkeys(Path(problem.file) for problem in error.problems)), 0)
-    return Report(check_model(model), model.files, model.triples)
+    return Report(check_model(model, settings), model.files, model.triples)
 
 
-def check_model(model: Model) -> tuple[Problem, ...]:
+def check_model(model: Model, settings: Settings = DEFAULT) -> tuple[Problem, ...]:
     """Every problem of the model's reported files, in file order."""
-    problems = list(check_prefixes(model))
+    house = House(model, settings.namespaces, settings.select)
+    problems = [house.judged_problem(problem, graph) for problem, graph in check_prefixes(model)]
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
     findings += [
         *check_hierarchy(model),
@@ -69,11 +74,12 @@ def check_model(model: Model) -> tuple[Problem, ...]:
     reported = {(finding.subject, finding.predicate, finding.object) for finding in findings}
     logical = (*check_dl(model), *check_rl(model), *check_consistency(model))
     findings += (one for one in logical if (one.subject, one.predicate, one.object) not in reported)
+    findings = list(house.judged(findings))
     if findings:
         from onto_compiler.check.locate import locate  # noqa: PLC0415 - a clean run never needs a source map
 
         problems += locate(model, findings)
-    return tuple(sorted(set(problems)))
+    return tuple(sorted(problem for problem in set(problems) if settings.reports(problem.code)))
 
 
 def _shape_findings(model: Model) -> Iterator[Finding]:

@@ -14,6 +14,7 @@ from pyoxigraph import Store
 
 from onto_compiler.check.domains import check_domains
 from onto_compiler.check.hierarchy import check_hierarchy
+from onto_compiler.check.house import House
 from onto_compiler.check.locate import locate
 from onto_compiler.check.model import load_model
 from onto_compiler.check.prefixes import check_prefixes
@@ -42,7 +43,9 @@ def quick_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Probl
         return _own(path, error.problems)
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
     findings += [*check_hierarchy(model), *check_domains(model)]
-    problems = {*check_prefixes(model), *(locate(model, findings) if findings else ())}
+    house = House(model)
+    problems = {house.judged_problem(problem, graph) for problem, graph in check_prefixes(model)}
+    problems |= {*locate(model, house.judged(findings))}
     return _own(path, sorted(problems))
 
 

@@ -1,0 +1,105 @@
+"""The settings of ``onto check``: ``[tool.onto.check]`` of ``pyproject.toml``, or ``[check]`` of ``onto.toml``.
+
+The nearest file at or above a checked file counts; in one folder, ``onto.toml`` before ``pyproject.toml``.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from onto_compiler.problems import OntoError, near
+
+__all__ = ["DEFAULT", "Settings", "parse_codes", "read_settings"]
+
+_KEYS = ("ignore", "namespaces", "select")
+_FILES = {"onto.toml": ("check",), "pyproject.toml": ("tool", "onto", "check")}
+_HINT = "see docs/checks.md for the keys of [tool.onto.check]"
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """``namespaces`` are a project's own. ``select`` and ``ignore`` hold codes, or how they begin (``DOC``).
+
+    With ``select`` those codes alone are reported, of terms of others too.
+    """
+
+    namespaces: tuple[str, ...] = ()
+    select: tuple[str, ...] = ()
+    ignore: tuple[str, ...] = ()
+
+    def reports(self, code: str) -> bool:
+        """Whether problems of ``code`` are reported; what keeps a file from being read always is."""
+        chosen = not self.select or code.startswith(self.select)
+        return chosen and not (self.ignore and code.startswith(self.ignore))
+
+
+DEFAULT = Settings()
+
+
+def read_settings(paths: Iterable[Path]) -> Settings:
+    """The settings for ``paths``, by the nearest file above the first of them that has any.
+
+    Raises:
+        OntoError: CFG001, where the file is no TOML, or holds an unknown key or code.
+
+    """
+    for path in paths:
+        folder = path.resolve()
+        for above in (folder, *folder.parents):
+            for name, keys in _FILES.items():
+                if (above / name).is_file() and (table := _table(above / name, keys)) is not None:
+                    return _settings(above / name, table)
+    return DEFAULT
+
+
+def _table(file: Path, keys: tuple[str, ...]) -> Mapping[str, object] | None:
+    try:
+        table: object = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise OntoError.of("CFG001", f"`{file.name}` cannot be read: {error}", _HINT, str(file)) from error
+    for key in keys:
+        table = table.get(key) if isinstance(table, dict) else None
+    return table if isinstance(table, dict) else None
+
+
+def _settings(file: Path, table: Mapping[str, object]) -> Settings:
+    for key in table:
+        if key not in _KEYS:
+            message = f"`{key}` is no setting of `onto check`"
+            raise OntoError.of("CFG001", message, near(key, _KEYS) or f"there are {', '.join(_KEYS)}", str(file))
+    return Settings(
+        namespaces=_texts(file, table, "namespaces"),
+        select=parse_codes(_texts(file, table, "select"), str(file)),
+        ignore=parse_codes(_texts(file, table, "ignore"), str(file)),
+    )
+
+
+def _texts(file: Path, table: Mapping[str, object], key: str) -> tuple[str, ...]:
+    found = table.get(key, [])
+    if not isinstance(found, list) or not all(isinstance(one, str) and one for one in found):
+        raise OntoError.of("CFG001", f"`{key}` is no list of texts", f'write `{key} = ["..."]`', str(file))
+    return tuple(found)
+
+
+def parse_codes(given: Iterable[str], file: str = "") -> tuple[str, ...]:
+    """Codes, or how they begin, in capitals; ``ALL`` stands for every code.
+
+    Raises:
+        OntoError: CFG001, where no code begins so.
+
+    """
+    from onto_compiler.check.pages import codes  # noqa: PLC0415 - most runs name none
+
+    found = []
+    for one in given:
+        code = one.strip().upper()
+        if code == "ALL":
+            code = ""
+        elif not any(known.startswith(code) for known in codes()) or not code:
+            hint = near(code, codes()) or "`onto explain` knows all codes"
+            raise OntoError.of("CFG001", f"`{one}` is no code of a problem, nor how one begins", hint, file)
+        found.append(code)
+    return tuple(found)

@@ -17,6 +17,7 @@ from onto_compiler.wording import counted
 
 if TYPE_CHECKING:
     from onto_compiler.check.run import Report
+    from onto_compiler.check.settings import Settings
 
 __all__ = ["CHECK", "EXPLAIN"]
 
@@ -48,6 +49,15 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         choices=("rl", "hermit"),
         default="rl",
         help="what finds contradictions: OWL 2 RL rules, or HermiT as well, which runs on Java (default: rl)",
+    )
+    parser.add_argument(
+        "--select",
+        action="append",
+        metavar="CODES",
+        help="report these codes alone, of other people's terms too: VOC006, or DOC,OWL for all that begin so, or ALL",
+    )
+    parser.add_argument(
+        "--ignore", action="append", metavar="CODES", help="report everything but these codes, as for --select"
     )
     acting = parser.add_mutually_exclusive_group()
     acting.add_argument("--fix", action="store_true", help="repair what is mechanical, in the files themselves")
@@ -82,12 +92,25 @@ def _once(arguments: argparse.Namespace) -> int:
         from onto_compiler.check.data import check_data  # noqa: PLC0415
 
         return _print(arguments, check_data(arguments.paths, arguments.shapes), begin)
-    report = check_all(arguments.paths)
+    report = check_all(arguments.paths, settings=_settings(arguments))
     if arguments.reasoner == "hermit":
         from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
 
         report = with_hermit(report, arguments.paths)
     return _print(arguments, report, begin)
+
+
+def _settings(arguments: argparse.Namespace) -> Settings:
+    """Those of the nearest file, and what the command line says instead."""
+    from onto_compiler.check.settings import parse_codes, read_settings  # noqa: PLC0415 - as above
+
+    settings = read_settings(arguments.paths)
+    for name in ("select", "ignore"):
+        given = getattr(arguments, name)
+        if given is not None:
+            codes = parse_codes(code for one in given for code in one.split(",") if code.strip())
+            settings = replace(settings, **{name: codes})
+    return settings
 
 
 def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
@@ -107,7 +130,7 @@ def _fix(arguments: argparse.Namespace) -> int:
     from onto_compiler.check.fix import diff, fix, write  # noqa: PLC0415 - as above
 
     begin = time.perf_counter()
-    fixed = fix(arguments.paths)
+    fixed = fix(arguments.paths, _settings(arguments))
     if arguments.diff:
         sys.stdout.write(diff(fixed, {path: _shown(path) for path in fixed.after}))
         _log(f"{counted(len(fixed.edits), 'repair')} in {counted(len(fixed.after), 'file')} would be made")

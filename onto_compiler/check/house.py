@@ -12,6 +12,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from urllib.parse import urlsplit
 
 from pyoxigraph import Literal, NamedNode
 
@@ -19,22 +20,47 @@ from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model
 from onto_compiler.check.vocabularies import TERMS
 from onto_compiler.problems import Problem
-from onto_compiler.rdf import BASE, OWL, PREFIXES, RDFS
+from onto_compiler.rdf import BASE, PREFIXES, RDFS
 from onto_compiler.reasoning.axioms import TYPE, owl
 
 __all__ = ["House"]
 
 STYLE = frozenset(
-    ("DOC001", "DOC002", "DOC003", "DOC004", "DOC005", "DOC006", "DOC007", "OWL001", "OWL002", "OWL008", "OWL016")
-) | frozenset(
-    ("RUL003", "RUL004", "RUL006", "RUL007", "RUL008", "RUL009", "RUL013", "RUL015", "RUL016", "VOC008", "VOC010")
+    [
+        "DOC001",
+        "DOC002",
+        "DOC003",
+        "DOC004",
+        "DOC005",
+        "DOC006",
+        "DOC007",
+        "OWL001",
+        "OWL002",
+        "OWL007",
+        "OWL008",
+        "OWL016",
+        "RUL003",
+        "RUL004",
+        "RUL006",
+        "RUL007",
+        "RUL008",
+        "RUL009",
+        "RUL013",
+        "RUL015",
+        "RUL016",
+        "VOC003",
+        "VOC004",
+        "VOC005",
+        "VOC008",
+        "VOC010",
+    ]
 )
 """Not reported of terms of others."""
-ADVICE = frozenset(("OWL003", "OWL007", "OWL012", "OWL013", "OWL014", "OWL015", "TTL007", "VOC003"))
+ADVICE = frozenset(["OWL003", "OWL012", "OWL013", "OWL014", "OWL015", "TTL007"])
 """Information, of terms of others: worth knowing, and no fault."""
 _NAMES = {"VOC001": "object", "VOC002": "predicate", "RUL005": "term"}
 _NAMESPACE = re.compile(r"^.*[#/]")
-_IMPORTS, _DEFINED = NamedNode(OWL + "imports"), NamedNode(RDFS + "isDefinedBy")
+_IMPORTS, _DEFINED, _DEPRECATED = owl("imports"), NamedNode(RDFS + "isDefinedBy"), owl("deprecated")
 _SHARED = frozenset((*TERMS, *PREFIXES.values()))
 _KINDS = frozenset(
     (NamedNode(RDFS + "Class"), *map(owl, ("Class", "ObjectProperty", "DatatypeProperty", "AnnotationProperty")))
@@ -54,9 +80,11 @@ class House:
         for finding in findings:
             if finding.code in _NAMES and self._may_be_elsewhere(finding):
                 continue
-            if finding.code not in STYLE | ADVICE or self._asked(finding.code) or self._is_own(finding):
+            style = finding.code in STYLE or (finding.code == "VOC006" and self._is_maintained(finding))
+            advice = finding.code in ADVICE or (finding.code == "SHP001" and self._may_have_a_type(finding))
+            if not (style or advice) or self._asked(finding.code) or self._is_own(finding):
                 yield finding
-            elif finding.code in ADVICE:
+            elif advice:
                 yield replace(finding, severity="info")
 
     def judged_problem(self, problem: Problem, graph: NamedNode) -> Problem:
@@ -124,13 +152,31 @@ class House:
         quads = self.model.store.quads_for_pattern(None, None, None, graph)
         return any(ours(quad.subject) or ours(quad.predicate) or ours(quad.object) for quad in quads)
 
+    def _is_maintained(self, finding: Finding) -> bool:
+        """Whether the file that uses a deprecated term is the one that deprecates it: it knows what it does."""
+        term, store = finding.values.get("term"), self.model.store
+        if not isinstance(term, NamedNode):
+            return False
+        here = {quad.graph_name for quad in store.quads_for_pattern(term, _DEPRECATED, None, None)}
+        at = store.quads_for_pattern(finding.subject, finding.predicate, finding.object, None)  # type: ignore[arg-type]
+        return all(quad.graph_name in here for quad in at)
+
+    def _may_have_a_type(self, finding: Finding) -> bool:
+        """Whether a shape misses a class of a term, of which a file that was not given may have said it."""
+        term = finding.values.get("untyped")
+        return isinstance(term, NamedNode) and urlsplit(term.value).netloc in self._missing
+
     def _may_be_elsewhere(self, finding: Finding) -> bool:
         """Whether an undeclared term of others may be declared in a file that was not given."""
         term = finding.values.get(_NAMES[finding.code])
-        if not isinstance(term, NamedNode) or self._owns(term.value):
+        if not isinstance(term, NamedNode):
             return False
         namespace = _namespace(term.value)
-        return namespace not in self._declared or any(map(namespace.startswith, self._missing))
+        if namespace in _SHARED and not namespace.startswith(BASE):
+            return True
+        if self._owns(term.value):
+            return False
+        return namespace not in self._declared or urlsplit(namespace).netloc in self._missing
 
     @cached_property
     def _declared(self) -> frozenset[str]:
@@ -143,11 +189,11 @@ class House:
         return frozenset(found)
 
     @cached_property
-    def _missing(self) -> tuple[str, ...]:
-        """The imports that are in none of the files."""
+    def _missing(self) -> frozenset[str]:
+        """The hosts of the imports that are in none of the files."""
         imported = self.model.graph.values(_IMPORTS)
         here = self.model.graph.subjects(TYPE, owl("Ontology"))
-        return tuple(one.value for one in imported if isinstance(one, NamedNode) and one not in here)
+        return frozenset(urlsplit(one.value).netloc for one in imported if one not in here)
 
 
 def _namespace(iri: str) -> str:

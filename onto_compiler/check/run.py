@@ -11,6 +11,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode
 
 from onto_compiler.check.bindings import check_bindings
 from onto_compiler.check.consistency import check_consistency
+from onto_compiler.check.deprecated import check_deprecated
 from onto_compiler.check.domains import check_domains
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.hierarchy import check_hierarchy
@@ -25,6 +26,7 @@ from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.check.terms import check_terms
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import SH, shorten
+from onto_compiler.reasoning.axioms import TYPE
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.model import ShapeFault, ShapeResult
 from onto_compiler.shacl.validate import validate_graph
@@ -65,6 +67,7 @@ def check_model(model: Model, settings: Settings = DEFAULT) -> tuple[Problem, ..
     findings += [
         *check_hierarchy(model),
         *check_domains(model),
+        *check_deprecated(model),
         *check_terms(model),
         *check_rules(model),
         *check_bindings(model),
@@ -110,8 +113,17 @@ def _finding(model: Model, result: ShapeResult) -> Finding:
         subject=result.focus,
         predicate=result.path if isinstance(result.path, NamedNode) else None,
         object=result.value if isinstance(result.path, NamedNode) else None,
+        values=_untyped(model, result),
     )
     return _of_value(model, result.focus, finding) if isinstance(result.focus, Literal) else finding
+
+
+def _untyped(model: Model, result: ShapeResult) -> Mapping[str, Term]:
+    """The value that lacks the class which a shape asks for, where it has no class at all."""
+    value = result.value
+    if result.component.endswith("ClassConstraintComponent") and isinstance(value, NamedNode):
+        return {} if model.graph.objects(value, TYPE) else {"untyped": value}
+    return {}
 
 
 def _of_value(model: Model, value: Literal, finding: Finding) -> Finding:

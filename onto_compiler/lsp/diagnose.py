@@ -12,6 +12,7 @@ from pathlib import Path
 
 from pyoxigraph import Store
 
+from onto_compiler.check.deprecated import check_deprecated
 from onto_compiler.check.domains import check_domains
 from onto_compiler.check.hierarchy import check_hierarchy
 from onto_compiler.check.house import House
@@ -42,7 +43,7 @@ def quick_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Probl
     except OntoError as error:
         return _own(path, error.problems)
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
-    findings += [*check_hierarchy(model), *check_domains(model)]
+    findings += [*check_hierarchy(model), *check_domains(model), *check_deprecated(model)]
     house = House(model)
     problems = {house.judged_problem(problem, graph) for problem, graph in check_prefixes(model)}
     problems |= {*locate(model, house.judged(findings))}

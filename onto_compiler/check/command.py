@@ -85,18 +85,22 @@ def _check(arguments: argparse.Namespace) -> int:
 
 
 def _once(arguments: argparse.Namespace) -> int:
-    from onto_compiler.check.tasks import check_all  # noqa: PLC0415 - `onto --help` stays quick
+    from onto_compiler.check.progress import progress  # noqa: PLC0415 - `onto --help` stays quick
+    from onto_compiler.check.tasks import check_all  # noqa: PLC0415 - as above
 
     begin = time.perf_counter()
-    if arguments.shapes:
-        from onto_compiler.check.data import check_data  # noqa: PLC0415
+    settings = _settings(arguments)
+    with progress() as step:
+        if arguments.shapes:
+            from onto_compiler.check.data import check_data  # noqa: PLC0415
 
-        return _print(arguments, check_data(arguments.paths, arguments.shapes), begin)
-    report = check_all(arguments.paths, settings=_settings(arguments))
-    if arguments.reasoner == "hermit":
-        from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
+            report = check_data(arguments.paths, arguments.shapes)
+        else:
+            report = check_all(arguments.paths, settings=settings, step=step)
+        if arguments.reasoner == "hermit" and not arguments.shapes:
+            from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
 
-        report = with_hermit(report, arguments.paths)
+            report = with_hermit(report, arguments.paths)
     return _print(arguments, report, begin)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import cast
@@ -20,6 +20,7 @@ from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.prefixes import check_prefixes
 from onto_compiler.check.profile_dl import check_dl
 from onto_compiler.check.profile_rl import check_rl
+from onto_compiler.check.progress import Step, silent
 from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.rules import check_rules
 from onto_compiler.check.settings import DEFAULT, Settings
@@ -45,44 +46,49 @@ class Report:
 
 
 def check(
-    paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None, settings: Settings = DEFAULT
+    paths: Sequence[Path | str] = (),
+    texts: Mapping[Path, str] | None = None,
+    settings: Settings = DEFAULT,
+    step: Step = silent,
 ) -> Report:
     """Check ``paths`` before the shipped ontology, or the shipped ontology itself; ``texts`` as :func:`load_model`.
 
     A file that is missing or is not Turtle is a problem as any other; nothing else is then checked, because what such a
-    file would have declared is not known.
+    file would have declared is not known. ``step`` is called before each part of the work.
     """
     try:
         model = load_model(paths, texts)
     except OntoError as error:
         return Report(error.problems, tuple(dict.fromkeys(Path(problem.file) for problem in error.problems)), 0)
-    return Report(check_model(model, settings), model.files, model.triples)
+    return Report(check_model(model, settings, step), model.files, model.triples)
 
 
-def check_model(model: Model, settings: Settings = DEFAULT) -> tuple[Problem, ...]:
+def check_model(model: Model, settings: Settings = DEFAULT, step: Step = silent) -> tuple[Problem, ...]:
     """Every problem of the model's reported files, in file order."""
     house = House(model, settings.namespaces, settings.select)
+    parts = len(_CHECKS) + len(_LOGICAL) + 1
     problems = [house.judged_problem(problem, graph) for problem, graph in check_prefixes(model)]
-    findings = [finding for one in query_checks() for finding in run_query(model, one)]
-    findings += [
-        *check_hierarchy(model),
-        *check_domains(model),
-        *check_deprecated(model),
-        *check_terms(model),
-        *check_rules(model),
-        *check_bindings(model),
-    ]
-    findings += _shape_findings(model)
+    findings: list[Finding] = []
+    for done, (doing, run) in enumerate(_CHECKS):
+        step(doing, done, parts)
+        findings += house.judged(run(model))
     # A value of the wrong class is often a contradiction too; the first word on a triple is the clearer one.
     reported = {(finding.subject, finding.predicate, finding.object) for finding in findings}
-    logical = (*check_dl(model), *check_rl(model), *check_consistency(model))
-    findings += (one for one in logical if (one.subject, one.predicate, one.object) not in reported)
-    findings = list(house.judged(findings))
+    for done, (doing, run) in enumerate(_LOGICAL, len(_CHECKS)):
+        step(doing, done, parts)
+        logical = house.judged(run(model))
+        findings += (one for one in logical if (one.subject, one.predicate, one.object) not in reported)
     if findings:
         from onto_compiler.check.locate import locate  # noqa: PLC0415 - a clean run never needs a source map
 
+        step("lines and columns", parts - 1, parts)
         problems += locate(model, findings)
     return tuple(sorted(problem for problem in set(problems) if settings.reports(problem.code)))
+
+
+def _queried(model: Model) -> Iterator[Finding]:
+    for one in query_checks():
+        yield from run_query(model, one)
 
 
 def _shape_findings(model: Model) -> Iterator[Finding]:
@@ -134,3 +140,20 @@ def _of_value(model: Model, value: Literal, finding: Finding) -> Finding:
         return replace(finding, subject=None)
     subject = cast("Term", first.subject)
     return replace(finding, subject=subject, predicate=first.predicate, object=value, values={"subject": value})
+
+
+_CHECKS: tuple[tuple[str, Callable[[Model], Iterable[Finding]]], ...] = (
+    ("declarations", _queried),
+    ("hierarchy", check_hierarchy),
+    ("domains and ranges", check_domains),
+    ("deprecated terms", check_deprecated),
+    ("standard vocabularies", check_terms),
+    ("rules", check_rules),
+    ("bindings", check_bindings),
+    ("shapes", _shape_findings),
+)
+_LOGICAL: tuple[tuple[str, Callable[[Model], Iterable[Finding]]], ...] = (
+    ("OWL 2 DL", check_dl),
+    ("OWL 2 RL", check_rl),
+    ("contradictions", check_consistency),
+)

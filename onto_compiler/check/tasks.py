@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from onto_compiler.check.model import load_model
+from onto_compiler.check.progress import Step, silent
 from onto_compiler.check.run import Report, check
 from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.folders import actual, below
@@ -35,14 +36,17 @@ def split(paths: Sequence[Path | str]) -> tuple[tuple[Path, ...], tuple[Path, ..
 
 
 def check_all(
-    paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None, settings: Settings = DEFAULT
+    paths: Sequence[Path | str] = (),
+    texts: Mapping[Path, str] | None = None,
+    settings: Settings = DEFAULT,
+    step: Step = silent,
 ) -> Report:
     """Check Turtle and task files together; the tasks are lifted by the shipped ontology with the given Turtle on top.
 
     ``texts`` is as :func:`onto_compiler.check.model.load_model` has it. Tasks wait while their ontology is no Turtle.
     """
     turtle, tasks = split(paths)
-    report = check(turtle, texts, settings) if turtle or not tasks else Report((), (), 0)
+    report = check(turtle, texts, settings, step) if turtle or not tasks else Report((), (), 0)
     if not tasks:
         return report
     files = (*report.files, *tasks)

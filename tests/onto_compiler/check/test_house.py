@@ -194,3 +194,10 @@ def test_a_wrong_setting_is_named(text, said, tmp_path):
 
 def test_codes_may_be_given_by_how_they_begin():
     assert parse_codes(["doc", "VOC006", "all"]) == ("DOC", "VOC006", "")
+
+
+def test_a_contradiction_is_found_where_style_is_not(tmp_path):
+    text = """x:A a owl:Class ; owl:disjointWith x:B . x:B a owl:Class .
+x:p a owl:ObjectProperty ; rdfs:range x:A . x:b a x:B ; x:p x:b .
+"""
+    assert found(tmp_path, text, own=False) == ["OWL009"]

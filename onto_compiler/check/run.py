@@ -24,6 +24,7 @@ from onto_compiler.check.progress import Step, silent
 from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.rules import check_rules
 from onto_compiler.check.settings import DEFAULT, Settings
+from onto_compiler.check.suppressions import unsuppressed
 from onto_compiler.check.terms import check_terms
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import SH, shorten
@@ -53,14 +54,20 @@ def check(
 ) -> Report:
     """Check ``paths`` before the shipped ontology, or the shipped ontology itself; ``texts`` as :func:`load_model`.
 
-    A file that is missing or is not Turtle is a problem as any other; nothing else is then checked, because what such a
-    file would have declared is not known. ``step`` is called before each part of the work.
+    A file that is missing or is not Turtle is a problem as any other. What it would have declared is not known: of the
+    other files, problems are then left out that such a declaration would solve. ``step`` is called before each part of
+    the work.
     """
+    unreadable: list[Problem] = []
     try:
-        model = load_model(paths, texts)
+        model = load_model(paths, texts, unreadable)
     except OntoError as error:
         return Report(error.problems, tuple(dict.fromkeys(Path(problem.file) for problem in error.problems)), 0)
-    return Report(check_model(model, settings, step), model.files, model.triples)
+    found = check_model(model, settings, step) if model.files else ()
+    if unreadable:
+        found = tuple(one for one in found if not one.code.startswith(_OF_ALL_FILES))
+    files = dict.fromkeys((*model.files, *(Path(problem.file) for problem in unreadable)))
+    return Report(tuple(sorted({*found, *unreadable})), tuple(files), model.triples)
 
 
 def check_model(model: Model, settings: Settings = DEFAULT, step: Step = silent) -> tuple[Problem, ...]:
@@ -83,7 +90,18 @@ def check_model(model: Model, settings: Settings = DEFAULT, step: Step = silent)
 
         step("lines and columns", parts - 1, parts)
         problems += locate(model, findings)
-    return tuple(sorted(problem for problem in set(problems) if settings.reports(problem.code)))
+    reported = {problem for problem in problems if settings.reports(problem.code)}
+    return tuple(sorted(_unsuppressed(model, reported, settings)))
+
+
+def _unsuppressed(model: Model, problems: set[Problem], settings: Settings) -> Iterator[Problem]:
+    by_file: dict[str, list[Problem]] = {str(path): [] for path in model.files}
+    for problem in problems:
+        by_file.setdefault(problem.file, []).append(problem)
+    for path in model.files:
+        yield from unsuppressed(str(path), model.text(path), by_file.pop(str(path)), settings.reports)
+    for others in by_file.values():
+        yield from others
 
 
 def _queried(model: Model) -> Iterator[Finding]:
@@ -142,6 +160,21 @@ def _of_value(model: Model, value: Literal, finding: Finding) -> Finding:
     return replace(finding, subject=subject, predicate=first.predicate, object=value, values={"subject": value})
 
 
+_OF_ALL_FILES = (
+    "BND",
+    "CFG002",
+    "OWL003",
+    "OWL007",
+    "OWL008",
+    "RTE",
+    "RUL",
+    "SCR",
+    "SIG",
+    "VOC001",
+    "VOC002",
+    "VOC003",
+)
+"""How the codes begin of what is wrong only where no other file declares it."""
 _CHECKS: tuple[tuple[str, Callable[[Model], Iterable[Finding]]], ...] = (
     ("declarations", _queried),
     ("hierarchy", check_hierarchy),

@@ -59,6 +59,9 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--ignore", action="append", metavar="CODES", help="report everything but these codes, as for --select"
     )
+    parser.add_argument("--no-cache", action="store_true", help="check large files again, even where nothing changed")
+    parser.add_argument("--exit-zero", action="store_true", help="exit with 0, whatever is found")
+    parser.add_argument("--statistics", action="store_true", help="print how often each code is found, and no problems")
     acting = parser.add_mutually_exclusive_group()
     acting.add_argument("--fix", action="store_true", help="repair what is mechanical, in the files themselves")
     acting.add_argument("--diff", action="store_true", help="print what --fix would change, and change nothing")
@@ -86,6 +89,7 @@ def _check(arguments: argparse.Namespace) -> int:
 
 def _once(arguments: argparse.Namespace) -> int:
     from onto_compiler.check.progress import progress  # noqa: PLC0415 - `onto --help` stays quick
+    from onto_compiler.check.run import check  # noqa: PLC0415 - as above
     from onto_compiler.check.tasks import check_all  # noqa: PLC0415 - as above
 
     begin = time.perf_counter()
@@ -96,7 +100,10 @@ def _once(arguments: argparse.Namespace) -> int:
 
             report = check_data(arguments.paths, arguments.shapes)
         else:
-            report = check_all(arguments.paths, settings=settings, step=step)
+            from onto_compiler.check.cached import cached_check  # noqa: PLC0415
+
+            run = check if arguments.no_cache else cached_check
+            report = check_all(arguments.paths, settings=settings, step=step, run=run)
         if arguments.reasoner == "hermit" and not arguments.shapes:
             from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
 
@@ -120,14 +127,26 @@ def _settings(arguments: argparse.Namespace) -> Settings:
 def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
     problems = tuple(_relative(problem) for problem in report.problems)
     checked = Checked(problems, tuple(_shown(path) for path in report.files), arguments.fail_on)
-    sys.stdout.write(render(arguments.format, checked))
+    if arguments.statistics:
+        sys.stdout.write(_statistics(problems))
+    else:
+        sys.stdout.write(render(arguments.format, checked))
     if problems:
         _log(_summary(problems))
     else:
         seconds = time.perf_counter() - begin
         files = counted(len(report.files), "file")
         _log(f"no problem found in {files} ({report.triples:,} triples), {seconds:.2f} s")
-    return FINDINGS if checked.failures else CLEAN
+    return FINDINGS if checked.failures and not arguments.exit_zero else CLEAN
+
+
+def _statistics(problems: Sequence[Problem]) -> str:
+    """One line for each code and severity: how often, and the first message; the most frequent first."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for problem in problems:
+        found.setdefault((problem.code, problem.severity), []).append(problem.message)
+    rows = sorted(found.items(), key=lambda row: (-len(row[1]), row[0]))
+    return "".join(f"{len(said):>7,}  {code}  {severity:<7}  {said[0]}\n" for (code, severity), said in rows)
 
 
 def _fix(arguments: argparse.Namespace) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from onto_compiler.check.model import load_model
@@ -40,13 +40,15 @@ def check_all(
     texts: Mapping[Path, str] | None = None,
     settings: Settings = DEFAULT,
     step: Step = silent,
+    run: Callable[..., Report] = check,
 ) -> Report:
     """Check Turtle and task files together; the tasks are lifted by the shipped ontology with the given Turtle on top.
 
     ``texts`` is as :func:`onto_compiler.check.model.load_model` has it. Tasks wait while their ontology is no Turtle.
+    ``run`` takes the place of :func:`~onto_compiler.check.run.check`.
     """
     turtle, tasks = split(paths)
-    report = check(turtle, texts, settings, step) if turtle or not tasks else Report((), (), 0)
+    report = run(turtle, texts, settings, step) if turtle or not tasks else Report((), (), 0)
     if not tasks:
         return report
     files = (*report.files, *tasks)

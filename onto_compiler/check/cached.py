@@ -15,7 +15,7 @@ from onto_compiler.check.progress import Step, silent
 from onto_compiler.check.run import Report, check
 from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.problems import OntoError, Problem
-from onto_compiler.registered import GROUNDINGS, SERVING, points
+from onto_compiler.registered import GROUNDINGS, SERVING, points_of
 from onto_compiler.sources import collect
 
 __all__ = ["cached_check"]
@@ -58,7 +58,8 @@ def cached_check(
 def _registered() -> list[str]:
     """What installed packages register for the terms of an ontology."""
     groups = (GROUNDINGS, *(group for group, _ in SERVING.values()))
-    return [f"{group} {point.name} {point.value}" for group in groups for point in points(group)]
+    found = points_of(groups)
+    return sorted(f"{group} {point.name} {point.value}" for group in groups for point in found[group])
 
 
 def _hash(*parts: str) -> str:

@@ -90,8 +90,8 @@ def check_model(model: Model, settings: Settings = DEFAULT, step: Step = silent)
 
         step("lines and columns", parts - 1, parts)
         problems += locate(model, findings)
-    reported = {problem for problem in problems if settings.reports(problem.code)}
-    return tuple(sorted(_unsuppressed(model, reported, settings)))
+    chosen = {problem for problem in problems if settings.reports(problem.code)}
+    return tuple(sorted(_unsuppressed(model, chosen, settings)))
 
 
 def _unsuppressed(model: Model, problems: set[Problem], settings: Settings) -> Iterator[Problem]:

@@ -115,12 +115,14 @@ def _settings(arguments: argparse.Namespace) -> Settings:
     """Those of the nearest file, and what the command line says instead."""
     from onto_compiler.check.settings import parse_codes, read_settings  # noqa: PLC0415 - as above
 
+    def codes(given: Sequence[str]) -> tuple[str, ...]:
+        return parse_codes(code for one in given for code in one.split(",") if code.strip())
+
     settings = read_settings(arguments.paths)
-    for name in ("select", "ignore"):
-        given = getattr(arguments, name)
-        if given is not None:
-            codes = parse_codes(code for one in given for code in one.split(",") if code.strip())
-            settings = replace(settings, **{name: codes})
+    if arguments.select is not None:
+        settings = replace(settings, select=codes(arguments.select))
+    if arguments.ignore is not None:
+        settings = replace(settings, ignore=codes(arguments.ignore))
     return settings
 
 

@@ -90,8 +90,7 @@ def check_model(model: Model, settings: Settings = DEFAULT, step: Step = silent)
 
         step("lines and columns", parts - 1, parts)
         problems += locate(model, findings)
-    chosen = {problem for problem in problems if settings.reports(problem.code)}
-    return tuple(sorted(_unsuppressed(model, chosen, settings)))
+    return tuple(sorted(_unsuppressed(model, set(settings.chosen(problems)), settings)))
 
 
 def _unsuppressed(model: Model, problems: set[Problem], settings: Settings) -> Iterator[Problem]:

@@ -54,7 +54,7 @@ def check_all(
     files = (*report.files, *tasks)
     if turtle and any(problem.code.startswith("TTL") and problem.severity == "error" for problem in report.problems):
         return Report(report.problems, files, report.triples)
-    problems = [one for one in check_tasks(tasks, turtle, texts) if settings.reports(one.code)]
+    problems = settings.chosen(check_tasks(tasks, turtle, texts))
     return Report(tuple(sorted({*report.problems, *problems})), files, report.triples)
 
 

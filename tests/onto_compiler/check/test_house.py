@@ -169,7 +169,7 @@ def test_the_nearest_settings_count(name, tmp_path):
     (tmp_path / name).write_text(f'{table}\nnamespaces = ["https://example.org/x#"]\nignore = ["doc005", "OWL"]\n')
     (tmp_path / "inner").mkdir()
     found = read_settings([tmp_path / "inner" / "x.ttl"])
-    assert found == Settings(namespaces=("https://example.org/x#",), ignore=("DOC005", "OWL"))
+    assert found == Settings(namespaces=("https://example.org/x#",), ignore=("DOC005", "OWL"), root=tmp_path)
     (tmp_path / "inner" / "pyproject.toml").write_text("[project]\nname = 'no settings'\n")
     assert read_settings([tmp_path / "inner" / "x.ttl"]) == found
 
@@ -181,6 +181,10 @@ def test_the_nearest_settings_count(name, tmp_path):
         ('ignore = ["DOC0004"]', "did you mean `DOC004`?"),
         ("select = 3", 'write `select = ["..."]`'),
         ("select = [", "see docs/checks.md"),
+        ('severity = { VOC006 = "warn" }', "there are error, warning, info"),
+        ('severity = { VOC0066 = "error" }', "did you mean `VOC006`?"),
+        ('per-file-ignores = ["a.ttl"]', "see docs/checks.md"),
+        ('per-file-ignores = { "a.ttl" = ["DOC0004"] }', "did you mean `DOC004`?"),
     ],
 )
 def test_a_wrong_setting_is_named(text, said, tmp_path):
@@ -201,3 +205,20 @@ def test_a_contradiction_is_found_where_style_is_not(tmp_path):
 x:p a owl:ObjectProperty ; rdfs:range x:A . x:b a x:B ; x:p x:b .
 """
     assert found(tmp_path, text, own=False) == ["OWL009"]
+
+
+def test_severities_and_ignored_files_are_set(tmp_path):
+    (tmp_path / "onto.toml").write_text(
+        '[check]\nseverity = { DOC = "warning", DOC004 = "info" }\nper-file-ignores = { "vendor/*.ttl" = ["DOC"] }\n'
+    )
+    (tmp_path / "vendor").mkdir()
+    for place in (tmp_path, tmp_path / "vendor"):
+        text = HEADER.format(IMPORT).replace("org/x>", f"org/{place.name}>")
+        (place / "x.ttl").write_text(
+            PREFIXES.replace("org/x#", f"org/{place.name}#")
+            + text
+            + f'x:A a owl:Class ; skos:definition "no stop" ; rdfs:isDefinedBy <https://example.org/{place.name}> .\n'
+        )
+    problems = check([tmp_path], settings=read_settings([tmp_path])).problems
+    found = {(p.code, p.severity, p.file == str(tmp_path / "x.ttl")) for p in problems if p.code.startswith("DOC")}
+    assert found == {("DOC001", "warning", True), ("DOC004", "info", True)}

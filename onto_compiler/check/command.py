@@ -60,6 +60,9 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         "--ignore", action="append", metavar="CODES", help="report everything but these codes, as for --select"
     )
     parser.add_argument("--no-cache", action="store_true", help="check large files again, even where nothing changed")
+    kept = parser.add_mutually_exclusive_group()
+    kept.add_argument("--baseline", type=Path, metavar="FILE", help="leave out the problems that this file holds")
+    kept.add_argument("--write-baseline", type=Path, metavar="FILE", help="write all problems to this file")
     parser.add_argument("--exit-zero", action="store_true", help="exit with 0, whatever is found")
     parser.add_argument("--statistics", action="store_true", help="print how often each code is found, and no problems")
     acting = parser.add_mutually_exclusive_group()
@@ -99,6 +102,7 @@ def _once(arguments: argparse.Namespace) -> int:
             from onto_compiler.check.data import check_data  # noqa: PLC0415
 
             report = check_data(arguments.paths, arguments.shapes)
+            report = replace(report, problems=tuple(sorted(settings.chosen(report.problems))))
         else:
             from onto_compiler.check.cached import cached_check  # noqa: PLC0415
 
@@ -109,6 +113,19 @@ def _once(arguments: argparse.Namespace) -> int:
 
             report = with_hermit(report, arguments.paths)
     return _print(arguments, report, begin)
+
+
+def _beyond_baseline(arguments: argparse.Namespace, problems: Sequence[Problem]) -> tuple[Problem, ...]:
+    """What is left to report, where a baseline is read or written."""
+    from onto_compiler.check.baseline import beyond, read_baseline, write_baseline  # noqa: PLC0415 - as above
+
+    if arguments.write_baseline is not None:
+        number = write_baseline(arguments.write_baseline, problems)
+        _log(f"wrote {counted(number, 'problem')} to {_shown(arguments.write_baseline)}")
+        return ()
+    if arguments.baseline is not None:
+        return tuple(beyond(arguments.baseline, read_baseline(arguments.baseline), problems))
+    return tuple(problems)
 
 
 def _settings(arguments: argparse.Namespace) -> Settings:
@@ -127,7 +144,8 @@ def _settings(arguments: argparse.Namespace) -> Settings:
 
 
 def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
-    problems = tuple(_relative(problem) for problem in report.problems)
+    left = _beyond_baseline(arguments, report.problems)
+    problems = tuple(_relative(problem) for problem in left)
     checked = Checked(problems, tuple(_shown(path) for path in report.files), arguments.fail_on)
     if arguments.statistics:
         sys.stdout.write(_statistics(problems))

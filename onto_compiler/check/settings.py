@@ -16,6 +16,7 @@ from onto_compiler.problems import OntoError, Problem, near
 __all__ = ["DEFAULT", "Settings", "parse_codes", "read_settings"]
 
 _KEYS = ("ignore", "namespaces", "per-file-ignores", "select", "severity")
+_READABLE = {"TTL007", "TTL008"}  # of prefixes; every other problem of syntax keeps a file from being read
 _SEVERITIES = ("error", "warning", "info")
 _FILES = {"onto.toml": ("check",), "pyproject.toml": ("tool", "onto", "check")}
 _HINT = "see docs/checks.md for the keys of [tool.onto.check]"
@@ -26,7 +27,7 @@ class Settings:
     """``namespaces`` are a project's own. ``select`` and ``ignore`` hold codes, or how they begin (``DOC``).
 
     With ``select`` those codes alone are reported, of terms of others too. ``severity`` holds codes with the severity
-    that they get instead of theirs, ``per_file`` patterns of paths below ``root`` with the codes that are ignored there.
+    that they get instead of theirs, ``per_file`` patterns of paths below ``root`` with the codes ignored there.
     """
 
     namespaces: tuple[str, ...] = ()
@@ -50,8 +51,10 @@ class Settings:
 
     def reports(self, code: str) -> bool:
         """Whether problems of ``code`` are reported; what keeps a file from being read always is."""
+        if code.startswith("TTL") and code not in _READABLE:
+            return True
         chosen = not self.select or code.startswith(self.select)
-        return chosen and not (self.ignore and code.startswith(self.ignore))
+        return chosen and not code.startswith(self.ignore)
 
 
 DEFAULT = Settings()

@@ -174,3 +174,15 @@ def test_codes_are_selected_and_ignored(capsys):
     assert run(CHECK, path, "--ignore", "VOC001") == CLEAN
     assert run(CHECK, path, "--select", "VOC") == FINDINGS
     assert "VOC001" in capsys.readouterr().out
+
+
+def test_settings_count_for_data_and_shapes_too(tmp_path, capsys):
+    (tmp_path / "s.ttl").write_text(
+        "@prefix x: <https://example.org/x#> . @prefix sh: <http://www.w3.org/ns/shacl#> .\n"
+        "x:S a sh:NodeShape ; sh:targetNode x:i ; sh:property [ sh:path x:p ; sh:minCount 1 ] .\n"
+    )
+    (tmp_path / "d.ttl").write_text("@prefix x: <https://example.org/x#> . x:i x:q 1 .\n")
+    arguments = (tmp_path / "d.ttl", "--shapes", tmp_path / "s.ttl")
+    assert run(CHECK, *arguments) == FINDINGS
+    assert run(CHECK, *arguments, "--ignore", "SHP001") == CLEAN
+    capsys.readouterr()

@@ -222,3 +222,23 @@ def test_severities_and_ignored_files_are_set(tmp_path):
     problems = check([tmp_path], settings=read_settings([tmp_path])).problems
     found = {(p.code, p.severity, p.file == str(tmp_path / "x.ttl")) for p in problems if p.code.startswith("DOC")}
     assert found == {("DOC001", "warning", True), ("DOC004", "info", True)}
+
+
+def test_a_file_that_cannot_be_read_is_always_told():
+    assert Settings(select=("DOC",), ignore=("TTL",)).reports("TTL003")
+    assert not Settings(ignore=("TTL",)).reports("TTL007")
+
+
+def test_after_very_many_comparisons_names_are_reported_without_a_guess(tmp_path, monkeypatch):
+    text = (
+        "x:Cup a owl:Class . x:A a owl:Class ; rdfs:subClassOf x:Cupp , x:Cub ; rdfs:isDefinedBy <https://e.example/> ."
+    )
+    path = tmp_path / "x.ttl"
+    path.write_text(PREFIXES + HEADER.format(IMPORT) + text)
+
+    def guesses():
+        return [p.hint.startswith("did you mean `x:Cup`?") for p in check([path]).problems if p.code == "VOC001"]
+
+    assert guesses() == [True, True]
+    monkeypatch.setattr("onto_compiler.check.locate._COMPARISONS", 0)
+    assert sorted(guesses()) == [False, True]

@@ -6,7 +6,9 @@ named, with the case.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from collections.abc import Set as AbstractSet
+from dataclasses import replace
 
 from pyoxigraph import NamedNode
 
@@ -15,20 +17,26 @@ from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.model import Model
 from onto_compiler.compile_schema import compile_schema
 from onto_compiler.problems import OntoError
-from onto_compiler.rdf import CORE, RDFS, SH, shorten
-from onto_compiler.schema import local_name
-from onto_compiler.tables import DiagnosisEntry, Disagreement, RouteEntry, compile_tables
+from onto_compiler.rdf import CORE, RDF, RDFS, SH, shorten
+from onto_compiler.schema import Schema, local_name
+from onto_compiler.tables import DiagnosisEntry, DiagnosisKey, Disagreement, RouteEntry, RuleTables, compile_tables
 
 __all__ = ["check_agreement"]
 
+_TYPE = RDF + "type"
+_TEXT, _CONDITION, _RULE = (NamedNode(SH + name) for name in ("construct", "condition", "rule"))
 _MAY_DISTURB = tuple(
     NamedNode(iri)
     for iri in (SH + "construct", CORE + "admits", CORE + "onRejection", CORE + "arity", RDFS + "subClassOf")
 )
 
 
-def check_agreement(model: Model) -> Iterator[Finding]:
-    """Rules with different conclusions, and cases without one; nothing runs where no reported file can matter."""
+def check_agreement(model: Model, named: AbstractSet[str] | None = None) -> Iterator[Finding]:
+    """Rules with different conclusions, and cases without one; nothing runs where no reported file can matter.
+
+    ``named`` are the IRIs in the texts of the rules, which then run on one of all predicates that differ in none of
+    these; without it they run on every predicate.
+    """
     if not any(
         next(model.store.quads_for_pattern(None, predicate, None, graph), None) is not None
         for graph in model.graphs
@@ -38,10 +46,12 @@ def check_agreement(model: Model) -> Iterator[Finding]:
     disagreements: list[Disagreement] = []
     try:
         schema = compile_schema(model.store)
-        tables = compile_tables(model.store, schema, disagreements, model.graph)
+        likes = _likes(model, schema, named)
+        chosen = {iri: schema.predicates[iri] for iri in likes.values()}
+        tables = compile_tables(model.store, replace(schema, predicates=chosen), disagreements, model.graph)
     except (OntoError, ValueError):  # a declaration that does not compile is a finding of another check
         return
-    yield from check_coverage(model, schema, tables)
+    yield from check_coverage(model, schema, _expanded(tables, likes))
     cases: dict[tuple[object, ...], list[Disagreement]] = {}
     for one in disagreements:
         cases.setdefault(one.key, []).append(one)
@@ -53,6 +63,32 @@ def check_agreement(model: Model) -> Iterator[Finding]:
         if rules not in seen:
             seen.add(rules)
             yield from _findings(together[0], rules, sorted({_conclusion(entry) for entry in entries}))
+
+
+def _likes(model: Model, schema: Schema, named: AbstractSet[str] | None) -> Mapping[str, str]:
+    """Each predicate with the first one of which the rules know the same."""
+    graph = model.graph
+    texts = graph.holders(_TEXT)
+    if named is None or graph.holders(_CONDITION) or any(rule not in texts for rule in graph.values(_RULE)):
+        return {iri: iri for iri in schema.predicates}  # what rules without a text read, is in no text
+    read = [prop for iri in sorted({*named, _TYPE}) if graph.holders(prop := NamedNode(iri))]
+    first: dict[object, str] = {}
+    likes = {}
+    for iri in schema.predicates:
+        term = NamedNode(iri)
+        known = tuple(frozenset(graph.objects(term, prop)) for prop in read)
+        of_it = tuple(frozenset(graph.subjects(prop, term)) for prop in read)
+        likes[iri] = first.setdefault((known, of_it, iri if iri in named else ""), iri)
+    return likes
+
+
+def _expanded(tables: RuleTables, likes: Mapping[str, str]) -> RuleTables:
+    """The diagnosis table of all predicates, from that of the few that the rules ran on."""
+    of: dict[str, list[tuple[DiagnosisKey, DiagnosisEntry]]] = {}
+    for key, entry in tables.diagnosis.items():
+        of.setdefault(key[0], []).append((key, entry))
+    diagnosis = {(iri, *key[1:]): entry for iri, like in likes.items() for key, entry in of.get(like, ())}
+    return replace(tables, diagnosis=diagnosis)
 
 
 def _findings(one: Disagreement, rules: tuple[str, ...], conclusions: list[str]) -> Iterator[Finding]:

@@ -17,6 +17,7 @@ from onto_compiler.wording import counted
 
 if TYPE_CHECKING:
     from onto_compiler.check.run import Report
+    from onto_compiler.check.settings import Settings
 
 __all__ = ["CHECK", "EXPLAIN"]
 
@@ -55,6 +56,21 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="also write the W3C's SHACL validation report of --shapes: FILE.ttl or FILE.jsonld",
     )
+    parser.add_argument(
+        "--select",
+        action="append",
+        metavar="CODES",
+        help="report these codes alone, of other people's terms too: VOC006, or DOC,OWL for all that begin so, or ALL",
+    )
+    parser.add_argument(
+        "--ignore", action="append", metavar="CODES", help="report everything but these codes, as for --select"
+    )
+    parser.add_argument("--no-cache", action="store_true", help="check large files again, even where nothing changed")
+    kept = parser.add_mutually_exclusive_group()
+    kept.add_argument("--baseline", type=Path, metavar="FILE", help="leave out the problems that this file holds")
+    kept.add_argument("--write-baseline", type=Path, metavar="FILE", help="write all problems to this file")
+    parser.add_argument("--exit-zero", action="store_true", help="exit with 0, whatever is found")
+    parser.add_argument("--statistics", action="store_true", help="print how often each code is found, and no problems")
     acting = parser.add_mutually_exclusive_group()
     acting.add_argument("--fix", action="store_true", help="repair what is mechanical, in the files themselves")
     acting.add_argument("--diff", action="store_true", help="print what --fix would change, and change nothing")
@@ -97,27 +113,35 @@ def _checked(arguments: argparse.Namespace) -> int:
 
 
 def _once(arguments: argparse.Namespace) -> int:
-    from onto_compiler.check.tasks import check_all  # noqa: PLC0415 - `onto --help` stays quick
+    from onto_compiler.check.progress import progress  # noqa: PLC0415 - `onto --help` stays quick
+    from onto_compiler.check.run import check  # noqa: PLC0415 - as above
+    from onto_compiler.check.tasks import check_all  # noqa: PLC0415 - as above
 
     begin = time.perf_counter()
-    if arguments.shapes:
-        from onto_compiler.check.data import check_data  # noqa: PLC0415
+    settings = _settings(arguments)
+    with progress() as step:
+        if arguments.shapes:
+            from onto_compiler.check.data import check_data  # noqa: PLC0415
 
-        report = check_data(arguments.paths, arguments.shapes)
-        if arguments.report is not None and report.validation is not None:
-            from onto_compiler.check.report import write_report  # noqa: PLC0415
+            report = check_data(arguments.paths, arguments.shapes)
+            report = replace(report, problems=tuple(sorted(settings.chosen(report.problems))))
+        else:
+            from onto_compiler.check.cached import cached_check  # noqa: PLC0415
 
-            try:
-                write_report(arguments.report, report.validation)
-            except OntoError as error:  # what was found is printed all the same
-                _print(arguments, replace(report, problems=(*report.problems, *error.problems)), begin)
-                return MISUSE
-        return _print(arguments, report, begin)
-    report = check_all(arguments.paths)
-    if arguments.reasoner == "hermit":
-        from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
+            run = check if arguments.no_cache else cached_check
+            report = check_all(arguments.paths, settings=settings, step=step, run=run)
+        if arguments.reasoner == "hermit" and not arguments.shapes:
+            from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
 
-        report = with_hermit(report, arguments.paths)
+            report = with_hermit(report, arguments.paths)
+    if arguments.report is not None and report.validation is not None:
+        from onto_compiler.check.report import write_report  # noqa: PLC0415 - as above
+
+        try:
+            write_report(arguments.report, report.validation)
+        except OntoError as error:  # what was found is printed all the same
+            _print(arguments, replace(report, problems=(*report.problems, *error.problems)), begin)
+            return MISUSE
     return _print(arguments, report, begin)
 
 
@@ -132,8 +156,37 @@ def _refuse_report(arguments: argparse.Namespace) -> None:
         raise OntoError.of("CLI002", f"`{arguments.report}` has no ending that says how to write it", hint)
 
 
+def _beyond_baseline(arguments: argparse.Namespace, problems: Sequence[Problem]) -> tuple[Problem, ...]:
+    """What is left to report, where a baseline is read or written."""
+    from onto_compiler.check.baseline import beyond, read_baseline, write_baseline  # noqa: PLC0415 - as above
+
+    if arguments.write_baseline is not None:
+        number = write_baseline(arguments.write_baseline, problems)
+        _log(f"wrote {counted(number, 'problem')} to {_shown(arguments.write_baseline)}")
+        return ()
+    if arguments.baseline is not None:
+        return tuple(beyond(arguments.baseline, read_baseline(arguments.baseline), problems))
+    return tuple(problems)
+
+
+def _settings(arguments: argparse.Namespace) -> Settings:
+    """Those of the nearest file, and what the command line says instead."""
+    from onto_compiler.check.settings import parse_codes, read_settings  # noqa: PLC0415 - as above
+
+    def codes(given: Sequence[str]) -> tuple[str, ...]:
+        return parse_codes(code for one in given for code in one.split(",") if code.strip())
+
+    settings = read_settings(arguments.paths)
+    if arguments.select is not None:
+        settings = replace(settings, select=codes(arguments.select))
+    if arguments.ignore is not None:
+        settings = replace(settings, ignore=codes(arguments.ignore))
+    return settings
+
+
 def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
-    problems = tuple(_relative(problem) for problem in report.problems)
+    left = _beyond_baseline(arguments, report.problems)
+    problems = tuple(_relative(problem) for problem in left)
     repaired = {}
     if arguments.format == "sarif" and arguments.paths and not arguments.shapes:
         from onto_compiler.check.fix import repairs  # noqa: PLC0415 - only this format has them
@@ -141,21 +194,33 @@ def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
         repaired = {_relative(problem): repair for problem, repair in repairs(report, arguments.paths).items()}
     files = tuple(_shown(path) for path in report.files)
     checked = Checked(problems, files, arguments.fail_on, repairs=repaired)
-    sys.stdout.write(render(arguments.format, checked))
+    if arguments.statistics:
+        sys.stdout.write(_statistics(problems))
+    else:
+        sys.stdout.write(render(arguments.format, checked))
     if problems:
         _log(_summary(problems))
     else:
         seconds = time.perf_counter() - begin
         number = counted(len(report.files), "file")
         _log(f"no problem found in {number} ({report.triples:,} triples), {seconds:.2f} s")
-    return FINDINGS if checked.failures else CLEAN
+    return FINDINGS if checked.failures and not arguments.exit_zero else CLEAN
+
+
+def _statistics(problems: Sequence[Problem]) -> str:
+    """One line for each code and severity: how often, and the first message; the most frequent first."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for problem in problems:
+        found.setdefault((problem.code, problem.severity), []).append(problem.message)
+    rows = sorted(found.items(), key=lambda row: (-len(row[1]), row[0]))
+    return "".join(f"{len(said):>7,}  {code}  {severity:<7}  {said[0]}\n" for (code, severity), said in rows)
 
 
 def _fix(arguments: argparse.Namespace) -> int:
     from onto_compiler.check.fix import diff, fix, write  # noqa: PLC0415 - as above
 
     begin = time.perf_counter()
-    fixed = fix(arguments.paths)
+    fixed = fix(arguments.paths, _settings(arguments))
     if arguments.diff:
         sys.stdout.write(diff(fixed, {path: _shown(path) for path in fixed.after}))
         _log(f"{counted(len(fixed.edits), 'repair')} in {counted(len(fixed.after), 'file')} would be made")

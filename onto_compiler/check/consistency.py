@@ -14,7 +14,7 @@ from pyoxigraph import Literal, NamedNode
 from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model
 from onto_compiler.rdf import OWL, RDF, RDFS, SH, shorten
-from onto_compiler.reasoning.axioms import TYPE, Axioms, Fact, Term, owl, read_axioms
+from onto_compiler.reasoning.axioms import TYPE, Axioms, Fact, Term, owl
 from onto_compiler.reasoning.closure import close
 from onto_compiler.reasoning.lean import contentious, lean, representatives
 
@@ -40,7 +40,7 @@ _WORDS = {
 
 def check_consistency(model: Model) -> Iterator[Finding]:
     """One finding for each class without possible instances, and for each contradiction between given facts."""
-    axioms = read_axioms(model.store)
+    axioms = model.axioms
     classes = [quad.subject for quad in model.store.quads_for_pattern(None, TYPE, owl("Class"), None)]
     named = {cls for cls in classes if isinstance(cls, NamedNode)}
     if _THING in axioms.above or _THING in axioms.disjoint:

@@ -13,6 +13,7 @@ from onto_compiler.check.edits import Edit, apply, edits
 from onto_compiler.check.formats.checked import Repair
 from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.run import Report, check_model
+from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.check.tasks import check_all, split
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.sources import read_into
@@ -33,7 +34,7 @@ class Fixed:
     report: Report
 
 
-def fix(paths: Sequence[Path | str]) -> Fixed:
+def fix(paths: Sequence[Path | str], settings: Settings = DEFAULT) -> Fixed:
     """Repair the Turtle among ``paths`` in memory; nothing is written, and what does not parse stays as it is."""
     before: dict[Path, str] = {}
     after: dict[Path, str] = {}
@@ -44,7 +45,7 @@ def fix(paths: Sequence[Path | str]) -> Fixed:
             model = load_model(turtle, after)
         except OntoError:
             break
-        problems = check_model(model)
+        problems = check_model(model, settings)
         changed = False
         for path in model.files:
             found = edits(model, path, [problem for problem in problems if problem.file == str(path)])
@@ -56,7 +57,7 @@ def fix(paths: Sequence[Path | str]) -> Fixed:
                 changed = True
         if not changed:
             break
-    return Fixed(tuple(done), before, after, check_all(paths, after))
+    return Fixed(tuple(done), before, after, check_all(paths, after, settings))
 
 
 def repairs(report: Report, paths: Sequence[Path | str]) -> Mapping[Problem, Repair]:

@@ -4,46 +4,49 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
-from typing import cast
 from urllib.parse import urlsplit
 
-from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Store
+from pyoxigraph import BlankNode, Literal, NamedNode
 
 import ontology
+from onto_compiler.check.blanks import same_blanks
 from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model
 from onto_compiler.problems import Problem, Span, near
 from onto_compiler.rdf import RDF, shorten
 from onto_compiler.sources import graph_of
 from onto_compiler.terms import Term, show
-from onto_compiler.turtle.source_map import Located, SourceMap, canonical, map_text
+from onto_compiler.turtle.source_map import Located, SourceMap, map_text
 
 __all__ = ["locate"]
 
 _TYPE = NamedNode(RDF + "type")
+_COMPARISONS = 200_000  # of misspelt names with declared ones: a second or two
 _SLOT = re.compile(r"\{(\w+)\}")
 
 
 def locate(model: Model, findings: Iterable[Finding]) -> tuple[Problem, ...]:
     """The problems of the reported files, in file order; findings that lie in the background are left out."""
-    maps: dict[Path, SourceMap] = {}
-    placed: dict[tuple[Problem, bool], Finding] = {}
+    places: dict[Path, _Places] = {}
+    found: set[Problem] = set()
     specific: set[tuple[Path, Term | None, Term | None, Term | None]] = set()
     waiting = []
     for finding in findings:
         for path in _paths(model, finding):
-            if path not in maps:
-                maps[path] = map_text(model.text(path), str(path), path.as_uri())
             key = (path, finding.subject, finding.predicate, finding.object)
-            waiting.append((key, finding, maps[path]))
+            waiting.append((key, finding))
             if not finding.general:
                 specific.add(key)
-    for key, finding, source_map in waiting:
+    for key, finding in waiting:
+        path = key[0]
         if not (finding.general and key in specific):
-            placed.setdefault((_problem(model, finding, source_map), finding.general), finding)
-    return tuple(sorted({problem for problem, _ in placed}))
+            if path not in places:
+                places[path] = _Places(model, path)
+            found.add(places[path].problem(finding))
+    return tuple(sorted(found))
 
 
 def _paths(model: Model, finding: Finding) -> Iterator[Path]:
@@ -71,37 +74,92 @@ def _narrowings(finding: Finding) -> Iterator[tuple[Term | None, Term | None, st
     yield None, None, "subject"
 
 
-def _problem(model: Model, finding: Finding, source_map: SourceMap) -> Problem:
-    span = _span(model, finding, source_map)
-    names = {name: _shown(value, source_map) for name, value in finding.values.items()}
-    for name in ("subject", "predicate", "object"):
-        names.setdefault(name, _shown(getattr(finding, name) or "", source_map))
+@dataclass
+class _Places:
+    """Where the findings of one file stand, and how its terms are written."""
 
-    def fill(template: str) -> str:
-        return _SLOT.sub(lambda match: names.get(match[1], ""), template)
+    model: Model
+    path: Path
+    _meant: dict[str, str] = field(default_factory=dict)
+    _compared: int = 0
 
-    hint = fill(finding.hint)
-    if finding.near:
-        own = names.get(finding.near, "")
-        meant = _meant(own, sorted(_declared(model, source_map) - {own}))
-        hint = f"{meant} Otherwise: {hint}" if meant else hint
-    found = Problem.at(span, finding.code, fill(finding.message), hint, finding.severity)
-    return found if finding.result is None else replace(found, result=finding.result)
+    @cached_property
+    def map(self) -> SourceMap:
+        return map_text(self.model.text(self.path), str(self.path), self.path.as_uri())
 
+    @cached_property
+    def blanks(self) -> dict[BlankNode, BlankNode]:
+        """The blank nodes of the store as the source map names them."""
+        graph = graph_of(self.path)
+        return same_blanks((quad for quad in self.model.written if quad.graph_name == graph), self.map.triples)
 
-def _meant(own: str, declared: list[str]) -> str:
-    """The same local name under another prefix, or else a similar one under the same prefix."""
-    prefix, _, local = own.partition(":")
-    same = [name for name in declared if name.partition(":")[2].lower() == local.lower()]
-    if same:
-        return f"did you mean `{same[0]}`?"
-    similar = near(local, [name.partition(":")[2] for name in declared if name.partition(":")[0] == prefix])
-    return similar.replace("`", f"`{prefix}:", 1)
+    @cached_property
+    def declared(self) -> dict[str, list[str]]:
+        """Every name that has a type, as this file writes it, by its local part in lower case."""
+        rows = self.model.rows("SELECT DISTINCT ?term WHERE { ?term a ?any FILTER isIRI(?term) }")
+        found: dict[str, list[str]] = {}
+        for name in sorted({_shown(row["term"], self.map) for row in rows}):
+            found.setdefault(name.partition(":")[2].lower(), []).append(name)
+        return found
 
+    @cached_property
+    def beside(self) -> dict[str, list[str]]:
+        """The local parts of those names, by their prefix."""
+        found: dict[str, list[str]] = {}
+        for name in sorted(name for names in self.declared.values() for name in names):
+            prefix, _, local = name.partition(":")
+            found.setdefault(prefix, []).append(local)
+        return found
 
-def _declared(model: Model, source_map: SourceMap) -> set[str]:
-    rows = model.rows("SELECT DISTINCT ?term WHERE { ?term a ?any FILTER isIRI(?term) }")
-    return {_shown(row["term"], source_map) for row in rows}
+    def problem(self, finding: Finding) -> Problem:
+        """The finding as a problem of this file."""
+        names = {name: _shown(value, self.map) for name, value in finding.values.items()}
+        for name in ("subject", "predicate", "object"):
+            names.setdefault(name, _shown(getattr(finding, name) or "", self.map))
+
+        def fill(template: str) -> str:
+            return _SLOT.sub(lambda match: names.get(match[1], ""), template)
+
+        hint = fill(finding.hint)
+        if finding.near:
+            meant = self.meant(names.get(finding.near, ""))
+            hint = f"{meant} Otherwise: {hint}" if meant else hint
+        found = Problem.at(self.span(finding), finding.code, fill(finding.message), hint, finding.severity)
+        return found if finding.result is None else replace(found, result=finding.result)
+
+    def meant(self, own: str) -> str:
+        """What ``own``, which nothing declares, may be meant for; nothing any more after very many comparisons."""
+        if own not in self._meant:
+            prefix, _, local = own.partition(":")
+            same = [name for name in self.declared.get(local.lower(), ()) if name != own]
+            if same:
+                self._meant[own] = f"did you mean `{same[0]}`?"
+            elif self._compared <= _COMPARISONS:
+                beside = self.beside.get(prefix, [])
+                self._compared += len(beside)
+                similar = near(local, [name for name in beside if name != local])
+                self._meant[own] = similar.replace("`", f"`{prefix}:", 1)
+        return self._meant.get(own, "")
+
+    def span(self, finding: Finding) -> Span:
+        """The narrowest place that the finding has in this file."""
+        if finding.subject is not None:
+            for predicate, object_, part in _narrowings(finding):
+                triples = self.map.find(self._own(finding.subject), predicate, self._own(object_))
+                if triples:
+                    return self._part(finding, triples, part)
+        return Span(str(self.path))
+
+    def _own(self, term: Term | None) -> Term | None:
+        return self.blanks.get(term, term) if isinstance(term, BlankNode) else term
+
+    def _part(self, finding: Finding, triples: list[Located], part: str) -> Span:
+        if part != "object":
+            return self.map.span(triples[-1].at_predicate if part == "predicate" else triples[0].at_subject)
+        token = triples[0].at_object
+        if finding.inside is not None and token.kind == "string":
+            return self.map.inside(token, *finding.inside)
+        return self.map.span(token)
 
 
 def _shown(value: Term | str, source_map: SourceMap) -> str:
@@ -135,48 +193,3 @@ def _named(path: Path) -> str:
         if path.is_relative_to(above):
             return path.relative_to(above).as_posix()
     return str(path)
-
-
-def _span(model: Model, finding: Finding, source_map: SourceMap) -> Span:
-    file = source_map.source.file
-    if finding.subject is None:
-        return Span(file)
-    for predicate, object_, part in _narrowings(finding):
-        triples = source_map.find(finding.subject, predicate, object_)
-        if isinstance(finding.subject, BlankNode) and len(triples) > 1:
-            triples = _only(model, finding.subject, triples, source_map) or triples
-        if not triples:
-            continue
-        if part == "object":
-            token = triples[0].at_object
-            if finding.inside is not None and token.kind == "string":
-                return source_map.inside(token, *finding.inside)
-            return source_map.span(token)
-        return source_map.span(triples[-1].at_predicate if part == "predicate" else triples[0].at_subject)
-    return Span(file)
-
-
-def _only(model: Model, subject: BlankNode, triples: list[Located], source_map: SourceMap) -> list[Located]:
-    """Those of ``triples`` whose blank subject has the same surroundings as the store's ``subject``."""
-    graph = graph_of(Path(source_map.source.file))
-    wanted = _surroundings(model.store, subject, graph)
-    local = Store()
-    own = NamedNode(graph.value)
-    for triple in source_map.triples:
-        local.add(Quad(triple.subject, triple.predicate, triple.object, own))
-    return [triple for triple in triples if _surroundings(local, triple.subject, own) == wanted]
-
-
-def _surroundings(store: Store, node: Term, graph: NamedNode, depth: int = 3) -> frozenset[object]:
-    """A description of ``node`` that two parses of one file agree on."""
-    described: set[object] = set()
-    for quad in store.quads_for_pattern(node, None, None, graph):  # type: ignore[arg-type]
-        value = quad.object
-        if isinstance(value, BlankNode):
-            described.add((quad.predicate, _surroundings(store, value, graph, depth - 1) if depth else "blank"))
-        else:
-            described.add((quad.predicate, canonical(cast("Term", value))))
-    for quad in store.quads_for_pattern(None, None, node, graph):
-        above = quad.subject
-        described.add(("of", quad.predicate, above if isinstance(above, NamedNode) else "blank"))
-    return frozenset(described)

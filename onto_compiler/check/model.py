@@ -14,6 +14,7 @@ import ontology
 from onto_compiler.check.finding import Term
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import OWL, RDF, prologue
+from onto_compiler.reasoning.axioms import Axioms, read_axioms
 from onto_compiler.shacl.graph import Graph
 from onto_compiler.sources import collect, graph_of, read_into
 
@@ -43,6 +44,11 @@ class Model:
         return Graph(self.written, self.store)
 
     @cached_property
+    def axioms(self) -> Axioms:
+        """What all files say of classes, properties and individuals."""
+        return read_axioms(self.store)
+
+    @cached_property
     def triples(self) -> int:
         """How many triples the reported files hold."""
         return sum(1 for graph in self.graphs for _ in self.store.quads_for_pattern(None, None, None, graph))
@@ -64,11 +70,18 @@ class Model:
         return self.texts[path]
 
 
-def load_model(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None) -> Model:
+def load_model(
+    paths: Sequence[Path | str] = (),
+    texts: Mapping[Path, str] | None = None,
+    unreadable: list[Problem] | None = None,
+) -> Model:
     """Load ``paths`` with the shipped ontology behind them; without paths, the shipped ontology is what is reported on.
 
     A given file that declares the same ``owl:Ontology`` as a shipped one takes its place, so that a copy can be edited.
     ``texts`` holds what some of the files (by resolved path) are to be, where that is not what is on disk.
+
+    Given a list ``unreadable``, what is wrong with files that cannot be read is added to it, and the model is that of
+    the others.
 
     Raises:
         OntoError: TTL0nn, for every file that is missing or is not Turtle.
@@ -82,10 +95,17 @@ def load_model(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | Non
     store = Store()
     problems: list[Problem] = []
     written: list[Quad] = []
+    read = []
     for path in files:
-        problems += read_into(store, path, texts.get(path), written)
-    if problems:
+        faults = read_into(store, path, texts.get(path), written)
+        problems += faults
+        if not faults:
+            read.append(path)
+    if problems and unreadable is None:
         raise OntoError(*problems)
+    if unreadable is not None:
+        unreadable += problems
+        problems = []
     declared = {quad.subject for quad in store.quads_for_pattern(None, *_IS_ONTOLOGY, None)}
     background = []
     for path in shipped:
@@ -101,4 +121,4 @@ def load_model(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | Non
             written += own
     if problems:
         raise OntoError(*problems)
-    return Model(store, tuple(files), tuple(background), dict(texts), tuple(written))
+    return Model(store, tuple(read), tuple(background), dict(texts), tuple(written))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from pyoxigraph import NamedNode
+
 from onto_compiler.check.model import Model
 from onto_compiler.problems import Problem, Span
 from onto_compiler.rdf import PREFIXES
@@ -16,31 +18,38 @@ _DECLARATION = re.compile(r"(?im)^[ \t]*@?prefix[ \t]+([\w.-]*):[ \t]*<([^>]*)>"
 _SIMILAR = 0.8  # below it, another vocabulary is meant, which may have the same prefix
 
 
-def check_prefixes(model: Model) -> Iterator[Problem]:
-    """Prefixes that nothing uses (SPARQL inside strings counts), and usual ones whose namespace looks mistyped."""
-    for path in model.files:
-        text = model.text(path)
-        for match in _DECLARATION.finditer(text):
-            name, namespace = match[1], match[2]
-            line = text.count("\n", 0, match.start(1)) + 1
-            column = match.start(1) - text.rfind("\n", 0, match.start(1))
-            span = Span(str(path), line, column, line, column + len(name) + 1)
-            usual = PREFIXES.get(name, namespace)
-            if usual != namespace and _similar(usual, namespace):
-                yield Problem.at(
-                    span,
-                    "TTL008",
-                    f"the prefix `{name}:` stands for <{namespace}>, not for <{usual}>",
-                    f"write <{usual}>, or choose another prefix for another namespace",
-                )
-            elif not re.search(rf"(?<![\w.-]){re.escape(name)}:(?!\s*<)", text):
-                yield Problem.at(
-                    span,
-                    "TTL007",
-                    f"the prefix `{name}:` is declared and never used",
-                    "remove the declaration",
-                    "warning",
-                )
+def check_prefixes(model: Model) -> Iterator[tuple[Problem, NamedNode]]:
+    """Prefixes that nothing uses (SPARQL inside strings counts), and usual ones whose namespace looks mistyped.
+
+    Each comes with the graph of its file.
+    """
+    for graph, path in model.graphs.items():
+        for problem in _of_text(str(path), model.text(path)):
+            yield problem, graph
+
+
+def _of_text(file: str, text: str) -> Iterator[Problem]:
+    for match in _DECLARATION.finditer(text):
+        name, namespace = match[1], match[2]
+        line = text.count("\n", 0, match.start(1)) + 1
+        column = match.start(1) - text.rfind("\n", 0, match.start(1))
+        span = Span(file, line, column, line, column + len(name) + 1)
+        usual = PREFIXES.get(name, namespace)
+        if usual != namespace and _similar(usual, namespace):
+            yield Problem.at(
+                span,
+                "TTL008",
+                f"the prefix `{name}:` stands for <{namespace}>, not for <{usual}>",
+                f"write <{usual}>, or choose another prefix for another namespace",
+            )
+        elif not re.search(rf"(?<![\w.-]){re.escape(name)}:(?!\s*<)", text):
+            yield Problem.at(
+                span,
+                "TTL007",
+                f"the prefix `{name}:` is declared and never used",
+                "remove the declaration",
+                "warning",
+            )
 
 
 def _similar(usual: str, namespace: str) -> bool:

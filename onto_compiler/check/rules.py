@@ -94,7 +94,7 @@ def check_rules(model: Model) -> Iterator[Finding]:
     if not sound:
         return
     if len(sound) == len(rules):
-        yield from check_agreement(model)
+        yield from check_agreement(model, {name.iri for rule in rules for name in rule.query.names})
     yield from check_order([(rule.iri, rule.order, rule.query) for rule in sound], read_hierarchy(model.store))
     yield from _undeclared(model, sound)
     yield from _conclusions(model, sound)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -12,17 +12,24 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 from onto_compiler.check.bindings import check_bindings
 from onto_compiler.check.consistency import check_consistency
+from onto_compiler.check.deprecated import check_deprecated
+from onto_compiler.check.domains import check_domains
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.hierarchy import check_hierarchy
+from onto_compiler.check.house import House
 from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.prefixes import check_prefixes
 from onto_compiler.check.profile_dl import check_dl
 from onto_compiler.check.profile_rl import check_rl
+from onto_compiler.check.progress import Step, silent
 from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.rules import check_rules
+from onto_compiler.check.settings import DEFAULT, Settings
+from onto_compiler.check.suppressions import unsuppressed
 from onto_compiler.check.terms import check_terms
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import SH
+from onto_compiler.reasoning.axioms import TYPE
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
 from onto_compiler.shacl.model import ShapeFault, ShapeResult
@@ -55,34 +62,66 @@ class Report:
     validation: Validated | None = None
 
 
-def check(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None) -> Report:
+def check(
+    paths: Sequence[Path | str] = (),
+    texts: Mapping[Path, str] | None = None,
+    settings: Settings = DEFAULT,
+    step: Step = silent,
+) -> Report:
     """Check ``paths`` before the shipped ontology, or the shipped ontology itself; ``texts`` as :func:`load_model`.
 
-    A file that is missing or is not Turtle is a problem as any other; nothing else is then checked, because what such a
-    file would have declared is not known.
+    A file that is missing or is not Turtle is a problem as any other. What it would have declared is not known: of the
+    other files, problems are then left out that such a declaration would solve. ``step`` is called before each part of
+    the work.
     """
+    unreadable: list[Problem] = []
     try:
-        model = load_model(paths, texts)
+        model = load_model(paths, texts, unreadable)
     except OntoError as error:
         return Report(error.problems, tuple(dict.fromkeys(Path(problem.file) for problem in error.problems)), 0)
-    return Report(check_model(model), model.files, model.triples)
+    found = check_model(model, settings, step) if model.files else ()
+    if unreadable:
+        found = tuple(one for one in found if not one.code.startswith(_OF_ALL_FILES))
+    files = dict.fromkeys((*model.files, *(Path(problem.file) for problem in unreadable)))
+    return Report(tuple(sorted({*found, *unreadable})), tuple(files), model.triples)
 
 
-def check_model(model: Model) -> tuple[Problem, ...]:
+def check_model(model: Model, settings: Settings = DEFAULT, step: Step = silent) -> tuple[Problem, ...]:
     """Every problem of the model's reported files, in file order."""
-    problems = list(check_prefixes(model))
-    findings = [finding for one in query_checks() for finding in run_query(model, one)]
-    findings += [*check_hierarchy(model), *check_terms(model), *check_rules(model), *check_bindings(model)]
-    findings += _shape_findings(model)
+    house = House(model, settings.namespaces, settings.select)
+    parts = len(_CHECKS) + len(_LOGICAL) + 1
+    problems = [house.judged_problem(problem, graph) for problem, graph in check_prefixes(model)]
+    findings: list[Finding] = []
+    for done, (doing, run) in enumerate(_CHECKS):
+        step(doing, done, parts)
+        findings += house.judged(run(model))
     # A value of the wrong class is often a contradiction too; the first word on a triple is the clearer one.
     reported = {(finding.subject, finding.predicate, finding.object) for finding in findings}
-    logical = (*check_dl(model), *check_rl(model), *check_consistency(model))
-    findings += (one for one in logical if (one.subject, one.predicate, one.object) not in reported)
+    for done, (doing, run) in enumerate(_LOGICAL, len(_CHECKS)):
+        step(doing, done, parts)
+        logical = house.judged(run(model))
+        findings += (one for one in logical if (one.subject, one.predicate, one.object) not in reported)
     if findings:
         from onto_compiler.check.locate import locate  # noqa: PLC0415 - a clean run never needs a source map
 
+        step("lines and columns", parts - 1, parts)
         problems += locate(model, findings)
-    return tuple(sorted(set(problems)))
+    return tuple(sorted(_unsuppressed(model, set(settings.chosen(problems)), settings)))
+
+
+def _unsuppressed(model: Model, problems: set[Problem], settings: Settings) -> Iterator[Problem]:
+    by_file: dict[str, list[Problem]] = {str(path): [] for path in model.files}
+    for problem in problems:
+        by_file.setdefault(problem.file, []).append(problem)
+    for path in model.files:
+        yield from unsuppressed(str(path), model.text(path), by_file.pop(str(path)), settings.reports)
+    for others in by_file.values():
+        yield from others
+
+
+def _queried(model: Model) -> Iterator[Finding]:
+    for one in query_checks():
+        yield from run_query(model, one)
 
 
 def _shape_findings(model: Model) -> Iterator[Finding]:
@@ -110,11 +149,19 @@ def _finding(model: Model, result: ShapeResult) -> Finding:
         subject=result.focus,
         predicate=result.path if isinstance(result.path, NamedNode) else None,
         object=result.value if isinstance(result.path, NamedNode) else None,
-        values=values,
+        values={**values, **_untyped(model, result)},
         result=_record(model, result),
     )
     named = isinstance(result.focus, (NamedNode, BlankNode))
     return finding if named else _of_value(model, result.focus, finding)
+
+
+def _untyped(model: Model, result: ShapeResult) -> Mapping[str, Term]:
+    """The value that lacks the class which a shape asks for, where it has no class at all."""
+    value = result.value
+    if result.component.endswith("ClassConstraintComponent") and isinstance(value, NamedNode):
+        return {} if model.graph.objects(value, TYPE) else {"untyped": value}
+    return {}
 
 
 def _sentence(model: Model, result: ShapeResult) -> tuple[str, dict[str, Term | Triple | str]]:
@@ -147,3 +194,35 @@ def _of_value(model: Model, value: Term | Triple, finding: Finding) -> Finding:
     subject = cast("Term", first.subject)
     values = {**finding.values, "subject": show(value) if isinstance(value, Literal) else value}
     return replace(finding, subject=subject, predicate=first.predicate, object=value, values=values)
+
+
+_OF_ALL_FILES = (
+    "BND",
+    "CFG002",
+    "OWL003",
+    "OWL007",
+    "OWL008",
+    "RTE",
+    "RUL",
+    "SCR",
+    "SIG",
+    "VOC001",
+    "VOC002",
+    "VOC003",
+)
+"""How the codes begin of what is wrong only where no other file declares it."""
+_CHECKS: tuple[tuple[str, Callable[[Model], Iterable[Finding]]], ...] = (
+    ("declarations", _queried),
+    ("hierarchy", check_hierarchy),
+    ("domains and ranges", check_domains),
+    ("deprecated terms", check_deprecated),
+    ("standard vocabularies", check_terms),
+    ("rules", check_rules),
+    ("bindings", check_bindings),
+    ("shapes", _shape_findings),
+)
+_LOGICAL: tuple[tuple[str, Callable[[Model], Iterable[Finding]]], ...] = (
+    ("OWL 2 DL", check_dl),
+    ("OWL 2 RL", check_rl),
+    ("contradictions", check_consistency),
+)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from onto_compiler.check.model import load_model
+from onto_compiler.check.progress import Step, silent
 from onto_compiler.check.run import Report, check
+from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
 
@@ -33,19 +35,26 @@ def split(paths: Sequence[Path | str]) -> tuple[tuple[Path, ...], tuple[Path, ..
     return tuple(turtle), tuple(tasks)
 
 
-def check_all(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None) -> Report:
+def check_all(
+    paths: Sequence[Path | str] = (),
+    texts: Mapping[Path, str] | None = None,
+    settings: Settings = DEFAULT,
+    step: Step = silent,
+    run: Callable[..., Report] = check,
+) -> Report:
     """Check Turtle and task files together; the tasks are lifted by the shipped ontology with the given Turtle on top.
 
     ``texts`` is as :func:`onto_compiler.check.model.load_model` has it. Tasks wait while their ontology is no Turtle.
+    ``run`` takes the place of :func:`~onto_compiler.check.run.check`.
     """
     turtle, tasks = split(paths)
-    report = check(turtle, texts) if turtle or not tasks else Report((), (), 0)
+    report = run(turtle, texts, settings, step) if turtle or not tasks else Report((), (), 0)
     if not tasks:
         return report
     files = (*report.files, *tasks)
     if turtle and any(problem.code.startswith("TTL") and problem.severity == "error" for problem in report.problems):
         return Report(report.problems, files, report.triples)
-    problems = check_tasks(tasks, turtle, texts)
+    problems = settings.chosen(check_tasks(tasks, turtle, texts))
     return Report(tuple(sorted({*report.problems, *problems})), files, report.triples)
 
 

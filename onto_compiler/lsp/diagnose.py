@@ -12,12 +12,17 @@ from pathlib import Path
 
 from pyoxigraph import Store
 
+from onto_compiler.check.deprecated import check_deprecated
+from onto_compiler.check.domains import check_domains
 from onto_compiler.check.hierarchy import check_hierarchy
+from onto_compiler.check.house import House
 from onto_compiler.check.locate import locate
 from onto_compiler.check.model import load_model
 from onto_compiler.check.prefixes import check_prefixes
 from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.run import check
+from onto_compiler.check.settings import DEFAULT
+from onto_compiler.check.suppressions import unsuppressed
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.schema import Schema
 from onto_compiler.sources import read_into
@@ -40,9 +45,12 @@ def quick_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Probl
     except OntoError as error:
         return _own(path, error.problems)
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
-    findings += check_hierarchy(model)
-    problems = {*check_prefixes(model), *(locate(model, findings) if findings else ())}
-    return _own(path, sorted(problems))
+    findings += [*check_hierarchy(model), *check_domains(model), *check_deprecated(model)]
+    house = House(model)
+    problems = {house.judged_problem(problem, graph) for problem, graph in check_prefixes(model)}
+    problems |= {*locate(model, house.judged(findings))}
+    kept = unsuppressed(str(path), text, sorted(_own(path, problems)), DEFAULT.reports)
+    return tuple(problem for problem in kept if problem.code != "CFG002")  # what the rest finds is not known yet
 
 
 def whole_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Problem, ...]:

@@ -58,8 +58,9 @@ class Reference:
         return tuple(value.value for value in values if isinstance(value, Literal))
 
     def label(self, iri: str) -> str:
-        """The label, or the local name of what has none."""
-        return next(iter(self.texts(iri, RDFS + "label")), local_name(iri))
+        """The label, or another name that our alignments give a term of others, or the local name."""
+        named = (*self.texts(iri, RDFS + "label"), *self.texts(iri, SKOS + "altLabel"))
+        return next(iter(named), local_name(iri))
 
     def definition(self, iri: str) -> str:
         """The definition, or nothing."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import cast
 
@@ -55,6 +56,9 @@ class SourceMap:
     source: SourceText
     triples: list[Located] = field(default_factory=list)
     declared: list[Prefix] = field(default_factory=list)
+    _index: dict[tuple[Term, Term | None, Term | None], list[Located]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
 
     def span(self, token: Token) -> Span:
         """The place of a token."""
@@ -67,22 +71,30 @@ class SourceMap:
         return self.source.span(start, max(end, start + 1))
 
     def find(self, subject: Term | None, predicate: Term | None = None, object_: Term | None = None) -> list[Located]:
-        """The triples that match; None is a wildcard, and a blank node of another parse stands for any blank node."""
-        wanted = [None if term is None else canonical(term) for term in (subject, predicate, object_)]
-        return [
-            triple
-            for triple in self.triples
-            if all(
-                term is None or _same(term, own)
-                for term, own in zip(wanted, (triple.subject, triple.predicate, triple.object), strict=True)
-            )
-        ]
+        """The triples that match, in their order; None is a wildcard, and a blank node is one of this parse."""
+        value = None if object_ is None else canonical(object_)
+        if subject is None:
+            return [
+                triple
+                for triple in self.triples
+                if predicate in {None, triple.predicate} and value in {None, canonical(triple.object)}
+            ]
+        if not self._index:
+            self._fill()
+        if predicate is None and value is not None:
+            return [triple for triple in self.find(subject) if canonical(triple.object) == value]
+        return self._index.get((subject, predicate, value), [])
 
-
-def _same(wanted: Term, own: Term) -> bool:
-    if isinstance(wanted, BlankNode):
-        return isinstance(own, BlankNode)
-    return wanted == (canonical(own) if isinstance(own, Literal) else own)
+    def _fill(self) -> None:
+        """Index every triple by its subject, by its subject and property, and whole."""
+        for triple in self.triples:
+            subject, predicate = triple.subject, triple.predicate
+            for key in (
+                (subject, None, None),
+                (subject, predicate, None),
+                (subject, predicate, canonical(triple.object)),
+            ):
+                self._index.setdefault(key, []).append(triple)
 
 
 def canonical(term: Term) -> Term:
@@ -93,8 +105,13 @@ def canonical(term: Term) -> Term:
         or term.datatype.value == XSD + "string"
     ):
         return term
+    return _stored(term)
+
+
+@lru_cache(maxsize=65536)
+def _stored(literal: Literal) -> Literal:
     store = Store()
-    store.add(Quad(_NIL, _NIL, term))
+    store.add(Quad(_NIL, _NIL, literal))
     return cast("Literal", next(iter(store)).object)
 
 

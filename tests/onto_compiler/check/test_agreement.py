@@ -83,3 +83,11 @@ def test_rules_may_share_an_order_where_it_cannot_matter(tmp_path, status, concl
     path.write_text(text.replace("core:MarginViolated", status).replace("man:RelationMissing", conclusion))
     model = load_model([path])
     assert {one.code for one in check_rules(model) if one.code == "RUL004"} == codes
+
+
+@pytest.mark.parametrize("path", [BROKEN, ontology.ROOT / "manipulation.ttl"], ids=["broken", "sound"])
+def test_rules_that_run_on_one_of_all_like_predicates_conclude_as_on_all(path):
+    model = load_model([path])
+    assert set(map(repr, check_rules(model))) >= set(map(repr, check_agreement(model)))
+    disagree = [one for one in check_rules(model) if one.code == "RUL015"]
+    assert sorted(map(repr, disagree)) == sorted(map(repr, check_agreement(model)))

@@ -155,3 +155,34 @@ def test_explain_prints_the_page(capsys):
 def test_explain_of_an_unknown_code_is_misuse(capsys):
     assert run(EXPLAIN, "VOC999") == MISUSE
     assert "did you mean `VOC00" in capsys.readouterr().err
+
+
+def test_statistics_count_codes_and_print_no_problem(capsys):
+    assert run(CHECK, BROKEN / "voc001_undeclared_class.ttl", "--statistics") == FINDINGS
+    out, _ = capsys.readouterr()
+    assert [line.split()[:3] for line in out.splitlines()] == [["1", "VOC001", "error"]]
+
+
+def test_exit_zero_reports_and_fails_not(capsys):
+    assert run(CHECK, BROKEN / "voc001_undeclared_class.ttl", "--exit-zero") == CLEAN
+    assert "VOC001" in capsys.readouterr().out
+
+
+def test_codes_are_selected_and_ignored(capsys):
+    path = BROKEN / "voc001_undeclared_class.ttl"
+    assert run(CHECK, path, "--select", "DOC,SIG") == CLEAN
+    assert run(CHECK, path, "--ignore", "VOC001") == CLEAN
+    assert run(CHECK, path, "--select", "VOC") == FINDINGS
+    assert "VOC001" in capsys.readouterr().out
+
+
+def test_settings_count_for_data_and_shapes_too(tmp_path, capsys):
+    (tmp_path / "s.ttl").write_text(
+        "@prefix x: <https://example.org/x#> . @prefix sh: <http://www.w3.org/ns/shacl#> .\n"
+        "x:S a sh:NodeShape ; sh:targetNode x:i ; sh:property [ sh:path x:p ; sh:minCount 1 ] .\n"
+    )
+    (tmp_path / "d.ttl").write_text("@prefix x: <https://example.org/x#> . x:i x:q 1 .\n")
+    arguments = (tmp_path / "d.ttl", "--shapes", tmp_path / "s.ttl")
+    assert run(CHECK, *arguments) == FINDINGS
+    assert run(CHECK, *arguments, "--ignore", "SHP001") == CLEAN
+    capsys.readouterr()

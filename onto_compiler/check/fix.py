@@ -36,6 +36,7 @@ def fix(paths: Sequence[Path | str]) -> Fixed:
     before: dict[Path, str] = {}
     after: dict[Path, str] = {}
     done: list[Edit] = []
+    report: Report | None = None
     turtle, _ = split(paths)
     for _ in range(_ROUNDS if turtle else 0):
         try:
@@ -53,8 +54,9 @@ def fix(paths: Sequence[Path | str]) -> Fixed:
                 done += found
                 changed = True
         if not changed:
+            report = Report(problems, model.files, model.triples)
             break
-    return Fixed(tuple(done), before, after, check_all(paths, after))
+    return Fixed(tuple(done), before, after, check_all(paths, after, report))
 
 
 def diff(fixed: Fixed, shown: Mapping[Path, str]) -> str:

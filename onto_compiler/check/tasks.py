@@ -33,13 +33,17 @@ def split(paths: Sequence[Path | str]) -> tuple[tuple[Path, ...], tuple[Path, ..
     return tuple(turtle), tuple(tasks)
 
 
-def check_all(paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None) -> Report:
+def check_all(
+    paths: Sequence[Path | str] = (), texts: Mapping[Path, str] | None = None, report: Report | None = None
+) -> Report:
     """Check Turtle and task files together; the tasks are lifted by the shipped ontology with the given Turtle on top.
 
-    ``texts`` is as :func:`onto_compiler.check.model.load_model` has it. Tasks wait while their ontology is no Turtle.
+    ``texts`` is as :func:`onto_compiler.check.model.load_model` has it, and ``report`` what is known already of the
+    Turtle among ``paths``. Tasks wait while their ontology is no Turtle.
     """
     turtle, tasks = split(paths)
-    report = check(turtle, texts) if turtle or not tasks else Report((), (), 0)
+    if report is None:
+        report = check(turtle, texts) if turtle or not tasks else Report((), (), 0)
     if not tasks:
         return report
     files = (*report.files, *tasks)

@@ -90,15 +90,18 @@ def _translated(text, base, names):
     return translateQuery(parseQuery(text), base, dict(names))
 
 
-@pytest.fixture
-def queries_parsed_once(monkeypatch):
+@pytest.fixture(scope="module")
+def queries_parsed_once():
     """PySHACL, the oracle of many tests, asks a query once for each focus node, and rdflib would parse it each time."""
     from rdflib.plugins.sparql import processor
 
-    monkeypatch.setattr(processor, "parseQuery", str)
-    monkeypatch.setattr(
-        processor, "translateQuery", lambda text, base, names: _translated(text, base, tuple((names or {}).items()))
-    )
+    def translated(text, base, names):
+        return _translated(text, base, tuple((names or {}).items()))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(processor, "parseQuery", str)
+        patch.setattr(processor, "translateQuery", translated)
+        yield
 
 
 class Measure:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import resource
 import warnings
 from collections import defaultdict
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -79,6 +80,28 @@ def pytest_runtest_setup(item):
 @pytest.hookimpl(hookwrapper=True)
 def pytest_runtest_call(item):
     yield from _timed(item, "call")
+
+
+@cache
+def _translated(text, base, names):
+    from rdflib.plugins.sparql.algebra import translateQuery
+    from rdflib.plugins.sparql.parser import parseQuery
+
+    return translateQuery(parseQuery(text), base, dict(names))
+
+
+@pytest.fixture(scope="module")
+def queries_parsed_once():
+    """PySHACL, the oracle of many tests, asks a query once for each focus node, and rdflib would parse it each time."""
+    from rdflib.plugins.sparql import processor
+
+    def translated(text, base, names):
+        return _translated(text, base, tuple((names or {}).items()))
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(processor, "parseQuery", str)
+        patch.setattr(processor, "translateQuery", translated)
+        yield
 
 
 class Measure:

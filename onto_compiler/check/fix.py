@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from pyoxigraph import Store
@@ -12,7 +13,7 @@ from pyoxigraph import Store
 from onto_compiler.check.edits import Edit, apply, edits
 from onto_compiler.check.formats.checked import Repair
 from onto_compiler.check.model import Model, load_model
-from onto_compiler.check.run import Report, check_model
+from onto_compiler.check.run import Report, check, check_model
 from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.check.tasks import check_all, split
 from onto_compiler.problems import OntoError, Problem
@@ -39,6 +40,7 @@ def fix(paths: Sequence[Path | str], settings: Settings = DEFAULT) -> Fixed:
     before: dict[Path, str] = {}
     after: dict[Path, str] = {}
     done: list[Edit] = []
+    run: Callable[..., Report] = check
     turtle, _ = split(paths)
     for _ in range(_ROUNDS if turtle else 0):
         try:
@@ -56,8 +58,14 @@ def fix(paths: Sequence[Path | str], settings: Settings = DEFAULT) -> Fixed:
                 done += found
                 changed = True
         if not changed:
+            report = Report(problems, model.files, model.triples)
+            run = partial(_already, report)  # the texts were just checked
             break
-    return Fixed(tuple(done), before, after, check_all(paths, after, settings))
+    return Fixed(tuple(done), before, after, check_all(paths, after, settings, run=run))
+
+
+def _already(report: Report, *_: object) -> Report:
+    return report
 
 
 def repairs(report: Report, paths: Sequence[Path | str]) -> Mapping[Problem, Repair]:

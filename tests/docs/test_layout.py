@@ -11,23 +11,26 @@ from benchmarks.house_imports import (
     world_leaks,
 )
 
-FOUND = imports()
+
+@pytest.fixture(scope="module")
+def found():
+    return imports()
 
 
-def test_no_module_imports_what_imports_it():
-    assert import_circles(FOUND) == []
+def test_no_module_imports_what_imports_it(found):
+    assert import_circles(found) == []
 
 
-def test_packages_import_one_way():
-    assert upward_imports(FOUND) == []
+def test_packages_import_one_way(found):
+    assert upward_imports(found) == []
 
 
-def test_a_world_and_its_simulator_are_imported_by_nobody_else():
-    assert world_leaks(FOUND) == []
+def test_a_world_and_its_simulator_are_imported_by_nobody_else(found):
+    assert world_leaks(found) == []
 
 
-def test_every_import_of_the_tree_was_read():
-    read = {(each.module, each.target) for each in FOUND}
+def test_every_import_of_the_tree_was_read(found):
+    read = {(each.module, each.target) for each in found}
     assert ("runtime.worlds.libero.world", "runtime.worlds.world") in read  # at the head of a module
     assert ("runtime.worlds.libero.world", "runtime.worlds.libero.loop.environment") in read  # within a function
     assert ("runtime.worlds.world", "runtime.worlds.environment") in read  # for types alone

@@ -103,7 +103,7 @@ def by_oxigraph(given):
     return conclusions(found, given)
 
 
-def test_oxigraph_concludes_what_pyshacl_concludes(tbox):
+def test_oxigraph_concludes_what_pyshacl_concludes(tbox, queries_parsed_once):
     given, observed, failed = cases(load_knowledge().schema, pairs=True)
     expanded = pyshacl.shacl_rules(tbox + given, shacl_graph=tbox, advanced=True, iterate_rules=False)
     expected = conclusions(expanded, given)

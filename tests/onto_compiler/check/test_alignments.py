@@ -77,18 +77,19 @@ def test_a_file_declares_no_term_that_it_does_not_use(name):
 
 
 @pytest.mark.usefixtures("java")
-@pytest.mark.parametrize("name", MAPPED)
-def test_our_classes_can_have_instances_beside_the_axioms_of_the_vocabulary(tmp_path, name):
-    quads = [q for q in alone(name) if q.subject.value.startswith(BASE) and q.predicate.value in MAPPINGS]
-    classes = sorted(
-        {
-            q.subject.value
-            for q in quads
-            if any(load_store().quads_for_pattern(q.subject, NamedNode(RDF + "type"), NamedNode(OWL + "Class"), None))
+def test_our_classes_can_have_instances_beside_the_axioms_of_the_vocabularies(tmp_path):
+    """All at once: what is consistent together is consistent for each vocabulary alone."""
+    ours, classes = load_store(), set()
+    for name in MAPPED:
+        mapped = {q.subject for q in alone(name) if q.subject.value.startswith(BASE) and q.predicate.value in MAPPINGS}
+        of_name = {
+            term.value
+            for term in mapped
+            if any(ours.quads_for_pattern(term, NamedNode(RDF + "type"), NamedNode(OWL + "Class"), None))
         }
-    )
-    assert classes
-    instances = "".join(f"ex:one_{number} a <{cls}> .\n" for number, cls in enumerate(classes))
+        assert of_name, name
+        classes |= of_name
+    instances = "".join(f"ex:one_{number} a <{cls}> .\n" for number, cls in enumerate(sorted(classes)))
     world, loaded = as_world(tmp_path, with_upstream(instances))
     with loaded:
         owlready2.sync_reasoner_hermit(world, debug=0)

@@ -14,6 +14,8 @@ from onto_compiler.problems import OntoError
 from onto_compiler.shapes import compile_shapes, validate
 from tests.shape_graphs import PREFIXES, STATEMENTS, VALUE_SHAPE, assert_same, by_pyshacl, rows, store_of
 
+pytestmark = pytest.mark.usefixtures("queries_parsed_once")
+
 HERE = Path(__file__).parent
 FILES = sorted([*(HERE / "broken").glob("*.ttl"), *(HERE / "good").glob("*.ttl")])
 UNREADABLE = "ttl"

@@ -46,7 +46,9 @@ class Protocol:
     processes there might be. ``parts`` names the field of a trial by whose values the protocol can be run part by part
     (``onto bench NAME --part VALUE``). ``timed`` names the fields of a row that differ from run to run: times and
     memory. ``of_tree`` names those that follow from this tree's own ontology and examples, which the trials take as
-    their input: another commit has others. ``result`` is the name of the published file, if not the protocol's.
+    their input: another commit has others. ``of_processor`` names those whose last digits depend on the processor, for
+    which a numerical library or a driver that draws chooses its code. ``result`` is the name of the published file, if
+    not the protocol's.
     """
 
     name: str
@@ -59,6 +61,7 @@ class Protocol:
     parts: str = ""
     timed: frozenset[str] = frozenset()
     of_tree: frozenset[str] = frozenset()
+    of_processor: frozenset[str] = frozenset()
     result: str = ""
 
     @property

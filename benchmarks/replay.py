@@ -2,7 +2,8 @@
 
 A trial is run by its own protocol, in an empty working folder, so that nothing is taken from an earlier run. Every
 published field of its rows is compared to the last digit, but for what the protocol says is timed, or follows from the
-ontology of the tree. A field that was added since cannot be compared; such fields are counted and named.
+ontology of the tree. What it says depends on the processor is compared where the same one published it. Fields that are
+not compared for that, or since they were added later, are named.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from typing import Any
 from benchmarks.archives import CACHE
 from benchmarks.engine import run_trial
 from benchmarks.protocol import Protocol, Row, Trial, load_protocols, protocol_named, untimed
-from benchmarks.results import RESULTS, read_result
+from benchmarks.results import RESULTS, processors, processors_of, read_result
 
 __all__ = ["REPLAY", "compared", "sampled", "trials_of"]
 
@@ -76,17 +77,28 @@ def run(trial: Trial) -> list[Row]:
     before = _published(protocol.name)[trial["trial"]["key"]]
     with _empty_folder():
         after = run_trial(protocol, trial["trial"])
-    old, new = (_comparable(protocol, rows) for rows in (before, json.loads(json.dumps(after))))
+    elsewhere = frozenset() if _published_here(protocol, trial["trial"]) else protocol.of_processor
+    old, new = (_comparable(protocol, rows, elsewhere) for rows in (before, json.loads(json.dumps(after))))
     found = list(compared(old, new))
-    added = sorted({name for one, other in zip(old, new, strict=False) for name in added_fields(one, other)})
-    figures = {"rows": len(before), "differ": len(found), "differences": found[:SHOWN], "added": added}
+    figures = {
+        "rows": len(before),
+        "differ": len(found),
+        "differences": found[:SHOWN],
+        "added": sorted({name for one, other in zip(old, new, strict=False) for name in added_fields(one, other)}),
+        "of_another_processor": sorted(elsewhere & {name for row in before for name in row}),
+    }
     return [{"mode": "none", "sees": "none", **figures}]
 
 
-def _comparable(protocol: Protocol, rows: Sequence[Row]) -> list[Row]:
-    return [
-        {name: value for name, value in row.items() if name not in protocol.of_tree} for row in untimed(protocol, rows)
-    ]
+def _published_here(protocol: Protocol, trial: Trial) -> bool:
+    """Whether the rows of ``trial`` are known to be published on the processor that runs this."""
+    found = processors_of(_record(protocol.name), trial.get(protocol.parts, ""))
+    return bool(found) and found.items() <= processors().items()
+
+
+def _comparable(protocol: Protocol, rows: Sequence[Row], elsewhere: frozenset[str]) -> list[Row]:
+    left_out = protocol.of_tree | elsewhere
+    return [{name: value for name, value in row.items() if name not in left_out} for row in untimed(protocol, rows)]
 
 
 def added_fields(old: Any, new: Any, path: str = "") -> Iterator[str]:  # noqa: ANN401 - JSON
@@ -142,9 +154,14 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
 def _published(name: str) -> Mapping[str, Sequence[Row]]:
     """The rows of a protocol's published result by the key of their trial."""
     found: dict[str, list[Row]] = {}
-    for row in read_result(RESULTS / protocol_named(name).file)["rows"]:
+    for row in _record(name)["rows"]:
         found.setdefault(row["key"], []).append(row)
     return found
+
+
+@lru_cache(maxsize=2)
+def _record(name: str) -> Mapping[str, Any]:
+    return read_result(RESULTS / protocol_named(name).file)
 
 
 @contextlib.contextmanager

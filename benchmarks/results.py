@@ -17,7 +17,17 @@ from onto_compiler import versions
 from onto_compiler.atomic import replacing
 from onto_compiler.versions import version_of
 
-__all__ = ["RESULTS", "changed", "git", "machine", "made_by", "processors", "read_result", "write_result"]
+__all__ = [
+    "RESULTS",
+    "changed",
+    "git",
+    "machine",
+    "made_by",
+    "processors",
+    "processors_of",
+    "read_result",
+    "write_result",
+]
 
 RESULTS = Path(__file__).resolve().parent / "results"
 _MANY = 200  # rows; more go to a compressed file beside the result
@@ -98,6 +108,12 @@ def processors() -> dict[str, str]:
     torch = sys.modules.get("torch")
     gpu = {"gpu": torch.cuda.get_device_name()} if torch is not None and torch.cuda.is_available() else {}
     return {"cpu": _cpu(), **gpu}
+
+
+def processors_of(record: Mapping[str, Any], part: str = "") -> dict[str, str]:
+    """What computed ``record``, or its ``part``, in the form of :func:`processors`; empty where that was not noted."""
+    made = record.get("parts", {}).get(part, record["machine"])
+    return {name: made[name] for name in ("cpu", "gpu") if name in made}
 
 
 def _cpu() -> str:

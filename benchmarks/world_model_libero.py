@@ -264,4 +264,5 @@ WORLD_MODEL_LIBERO = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    of_processor=frozenset({"told"}),  # of pictures that the processor draws, and of states that come about by BLAS
 )

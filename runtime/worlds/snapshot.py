@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from onto_compiler.problems import OntoError
 from runtime.worlds.fixtures import FixturePoses
 
-__all__ = ["BAD_NUMBERS", "Snapshot", "check_scene", "give_back", "held_by", "identity", "put", "take"]
+__all__ = ["BAD_NUMBERS", "Snapshot", "check_scene", "give_back", "held_by", "identity", "put", "reset_gripper", "take"]
 
 FULL = mujoco.mjtState.mjSTATE_INTEGRATION
 BAD_NUMBERS = (
@@ -101,6 +101,16 @@ def put(env: Any, saved: Snapshot) -> None:  # noqa: ANN401  robosuite's untyped
     robot.gripper.current_action = saved.gripper_action.copy()
     give_back(robot.controller, saved.controller)
     env.timestep, env.cur_time, env.done = saved.clock
+
+
+def reset_gripper(env: Any) -> None:  # noqa: ANN401  robosuite's untyped environment
+    """Write the gripper's current action as a new environment has it.
+
+    Where robosuite's own reset does not build the scene anew, it leaves that as the last episode had it, and the next
+    episode's fingers start from there.
+    """
+    gripper = env.robots[0].gripper
+    gripper.current_action = np.zeros(gripper.dof)
 
 
 def held_by(controller: Any) -> dict[str, Any]:  # noqa: ANN401  robosuite's untyped controller

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from benchmarks import replay
 from benchmarks.protocol import Protocol, load_protocols, protocol_named
 from benchmarks.replay import BUDGET, MOST, REPLAY, added_fields, compared, run, sampled, trials_of
+from benchmarks.replay_table import replayed_table
+from benchmarks.results import processors
 from onto_compiler.problems import OntoError
 
 NOT_CHEAP = {  # none of their trials takes less than some seconds, or they are not published yet
@@ -58,9 +63,43 @@ def test_a_field_that_was_added_within_a_record_is_no_difference_and_a_changed_o
 
 
 def test_the_figures_count_what_differs():
-    row = {"key": "x", "protocol": "short", "rows": 3, "differ": 2, "added": ["a"]}
-    found = REPLAY.metrics([row, row | {"protocol": "other", "differ": 0}, {"key": "y", "crashed": "Boom"}])
-    assert found == {"protocols": 2, "trials": 2, "rows": 6, "differences": 2, "added_fields": 2, "crashed": 1}
+    row = {"key": "x", "protocol": "short", "rows": 3, "differ": 2, "added": ["a"], "of_another_processor": []}
+    other = row | {"protocol": "other", "differ": 0, "of_another_processor": ["told"]}
+    rows = [row, other, {"key": "y", "protocol": "other", "crashed": "Boom"}]
+    figures = {"protocols": 2, "trials": 2, "rows": 6, "differences": 2, "added_fields": 2, "crashed": 1}
+    assert REPLAY.metrics(rows) == figures
+    told = replayed_table({"rows": rows})
+    assert "| `short` | 1 | 3 | 2 | 0 |" in told
+    assert told.endswith("another one published it: `other` `told`.")
+    assert "another" not in replayed_table({"rows": [row]})
+
+
+@pytest.mark.parametrize(
+    ("machine", "parts", "compared_too"),
+    [
+        (processors(), {}, True),
+        ({"cpu": "another"}, {}, False),
+        ({"cpu": "another"}, {"a": {"commit": "c", **processors()}}, True),
+        (processors(), {"a": {"commit": "c", "cpu": "another"}}, False),
+        (processors(), {"a": {"commit": "c"}}, False),  # nobody noted it
+        ({**processors(), "gpu": "another"}, {}, False),
+    ],
+)
+def test_what_depends_on_the_processor_is_compared_where_the_same_one_published_it(
+    monkeypatch, machine, parts, compared_too
+):
+    protocol = replace(
+        SHORT, run=lambda trial: [{"exact": 1, "told": 0.1}], parts="part", of_processor=frozenset({"told"})
+    )
+    trial = {"key": "t0", "part": "a"}
+    rows = [{**trial, "exact": 2, "told": 0.2, "seconds": 1.0}]
+    monkeypatch.setattr(replay, "protocol_named", lambda name: protocol)
+    monkeypatch.setattr(replay, "read_result", lambda path: {"machine": machine, "parts": parts, "rows": rows})
+    replay._record.cache_clear()
+    replay._published.cache_clear()
+    (row,) = run({"key": "short t0", "protocol": "short", "trial": trial})
+    assert [each["field"] for each in row["differences"]] == (["exact", "told"] if compared_too else ["exact"])
+    assert row["of_another_processor"] == ([] if compared_too else ["told"])
 
 
 @pytest.mark.sim

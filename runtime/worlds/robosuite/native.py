@@ -98,6 +98,7 @@ class RobosuiteTask:
         state = np.random.get_state()  # noqa: NPY002  as above
         try:
             np.random.seed([self.seed, index])  # noqa: NPY002  as above
+            snapshot.reset_gripper(self.env)
             with quiet():
                 self.env.reset()
         finally:

@@ -144,6 +144,7 @@ class NativeTask(Closing):
         env = self.env
         start: FixturePoses = env.sim.model.compiled_poses
         self.model.body_pos[:], self.model.body_quat[:] = start.body_pos, start.body_quat
+        snapshot.reset_gripper(env)
         env.hard_reset = False
         try:
             env.reset()

@@ -76,6 +76,27 @@ def test_an_initial_state_is_drawn_from_seed_and_number():
     assert not np.array_equal(found[0], found[1])
 
 
+@pytest.mark.parametrize("name", TASKS)
+def test_an_initial_state_has_the_same_future_whatever_was_done_before(name):
+    """Its gripper's current action included, which robosuite's reset leaves as the last episode had it."""
+    random = np.random.default_rng(0)
+    actions, closing = random.uniform(-1, 1, (2, 8, 7))
+    closing[:, 6] = 1.0
+    task, ends = runner(name).environment.task, []
+    fresh = EpisodeRunner.open(WORLD, find_task(SUITE, WORLD.tasks(SUITE), name), load_knowledge()).environment.task
+    for each in (fresh, task, task):
+        each.reset(2)
+        for action in actions:
+            each.step(action)
+        ends.append(each.snapshot())
+        for action in closing:
+            each.step(action)
+    fresh.close()
+    for end in ends[1:]:
+        assert np.array_equal(end.integration, ends[0].integration)
+        assert np.array_equal(end.gripper_action, ends[0].gripper_action)
+
+
 def test_a_flat_state_of_ones_own_is_written():
     environment = runner("Door").environment
     environment.start(0)

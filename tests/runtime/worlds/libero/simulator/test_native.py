@@ -51,6 +51,18 @@ def test_resetting_to_a_state_forgets_what_came_before(native, state, actions):
     assert np.array_equal(run(native, actions), first)
 
 
+def test_a_seeded_reset_has_the_future_of_a_new_task_of_that_seed(ref, actions):
+    from runtime.worlds.libero.simulator.native import NativeTask
+
+    with NativeTask.open(ref, 3) as new:
+        first = run(new, actions)
+    closing = np.full_like(actions, 0.5)
+    with NativeTask.open(ref, 0) as used:
+        run(used, closing)
+        used.reset_seeded(3)
+        assert np.array_equal(run(used, actions), first)
+
+
 def test_a_snapshot_taken_in_motion_resumes_exactly(native, state, actions):
     native.reset_to(state)
     run(native, actions[:10])

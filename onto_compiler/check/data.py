@@ -20,8 +20,8 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import OWL
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
-from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.validate import validate_graph
+from onto_compiler.shacl.wellformed import misspelt
 from onto_compiler.sources import MANY, parse_problem
 from onto_compiler.validator.engine import with_implications
 
@@ -48,8 +48,9 @@ def check_data(paths: Sequence[Path | str], shapes: Sequence[Path | str]) -> Rep
     if problems:
         return Report(tuple(sorted(problems)), tuple(dict.fromkeys(Path(problem.file) for problem in problems)), 0)
     graph = _graph(data)
-    faults: list[ShapeFault] = []
-    compiled = with_implications(compile_graph(_graph(known), faults))
+    known_graph = _graph(known)
+    faults = misspelt(known_graph)
+    compiled = with_implications(compile_graph(known_graph, faults))
     if not compiled.roots and not faults:
         named = ", ".join(f"`{path}`" for path in shapes)
         message = f"no shape of {named} has a target, so that nothing would be validated"

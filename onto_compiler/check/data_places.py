@@ -22,6 +22,7 @@ from onto_compiler.shacl.paths import read_path
 from onto_compiler.shacl.report import record
 from onto_compiler.shacl.severity import level
 from onto_compiler.shacl.validate import validate_graph
+from onto_compiler.shacl.wellformed import misspelt
 from onto_compiler.terms import sentence, show
 from onto_compiler.turtle.source_map import Located, SourceMap, read_map
 from onto_compiler.turtle.tokens import SourceText
@@ -41,7 +42,7 @@ def place(
     """The problems that ``results`` and ``faults`` are. Both are found again in what the walker reads."""
     in_data, in_shapes = _Places(data), _Places(shapes)
     if in_data.whole and in_shapes.whole:
-        again: list[ShapeFault] = []
+        again = misspelt(in_shapes.graph)
         found = validate_graph(in_data.graph, compile_graph(in_shapes.graph, again), again)
         if len(found) == len(results) and len(again) == len(faults):
             results, faults = found, again

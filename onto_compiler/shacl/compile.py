@@ -17,6 +17,7 @@ from onto_compiler.shacl.paths import Path, read_path
 from onto_compiler.shacl.prebinding import read_query
 from onto_compiler.shacl.reader import Parameter, Reader, local
 from onto_compiler.shacl.sparql import Component, components, custom_checks, sparql_check
+from onto_compiler.shacl.wellformed import sound_part
 from onto_compiler.terms import text_of
 
 __all__ = ["Compiler", "compile_graph"]
@@ -157,8 +158,13 @@ def _candidates(graph: Graph) -> list[Term]:
     return sorted(found, key=str)
 
 
+def _note(fault: ShapeFault, faults: list[ShapeFault]) -> None:
+    if not any(fault.same(other) for other in faults):
+        faults.append(fault)
+
+
 def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shapes:
-    """Every shape of ``graph`` that has a target. Shapes that cannot run are left out and appended to ``faults``.
+    """Every shape of ``graph`` that has a target. What is ill-formed is left out and appended to ``faults``.
 
     Queries that must not be run are appended too, whether a shape uses them or not.
 
@@ -166,11 +172,13 @@ def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shape
         ShapeFault: the first of them, where no list is given.
 
     """
+    if faults is not None:
+        graph = sound_part(graph, faults)
     compiler = Compiler(graph)
     for refused in compiler.reader.refused():
         if faults is None:
             raise refused
-        faults.append(refused)
+        _note(refused, faults)
     roots = []
     for node in _candidates(graph):
         try:
@@ -180,8 +188,7 @@ def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shape
         except ShapeFault as fault:
             if faults is None:
                 raise
-            if not any(fault.same(other) for other in faults):
-                faults.append(fault)
+            _note(fault, faults)
         else:
             if not shape.deactivated:
                 roots.append(shape)

@@ -215,7 +215,7 @@ def _listed(members: Sequence[Term]) -> Iterator[str | Term]:
 
 
 def _closed(own: Parameter) -> Iterator[Check]:
-    if text_of(own.value) != "true":  # of "1" the specification does not speak
+    if not own.reader.is_true(own.shape, "closed"):
         return
     allowed = {path for one in own.others("property") for path in own.reader.values(one, "path")}
     for head in own.others("ignoredProperties"):

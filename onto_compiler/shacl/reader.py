@@ -9,7 +9,7 @@ from functools import lru_cache
 
 from pyoxigraph import Literal, NamedNode, Triple
 
-from onto_compiler.rdf import BASE, OWL, SH
+from onto_compiler.rdf import BASE, OWL, SH, XSD
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.paths import Path, sparql_path
@@ -24,6 +24,7 @@ _QUERIES = ("ask", "construct", "select", "update")
 _ANY_PATH = Path("predicate", NamedNode("urn:onto-evwm:path"))
 _PATH, _PATH_OF_THAT_LENGTH = re.compile(r"[$?]PATH\b"), "<p:p>"
 _DECLARE = 'declare it: sh:prefixes [ sh:declare [ sh:prefix "{prefix}" ; sh:namespace "{iri}"^^xsd:anyURI ] ]'
+_TRUE = tuple(Literal(text, datatype=NamedNode(XSD + "boolean")) for text in ("true", "1"))
 _CODE, _HINT = NamedNode(BASE + "shapes#code"), NamedNode(BASE + "shapes#hint")
 
 
@@ -50,8 +51,8 @@ class Reader:
         return found[0].value if found else ""
 
     def is_true(self, node: Term, name: str) -> bool:
-        """Whether ``sh:name`` is true."""
-        return any(text_of(value) == "true" for value in self.values(node, name))
+        """Whether ``sh:name`` is true, by its value: a boolean is written in two ways, and a string is none."""
+        return any(value in _TRUE for value in self.values(node, name))
 
     def messages(self, node: Term) -> tuple[Literal, ...]:
         """The texts of ``sh:message``, one or more for each language."""

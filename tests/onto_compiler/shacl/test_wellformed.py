@@ -186,3 +186,13 @@ def test_the_sound_constraints_run_and_nothing_rests_on_unsound_shapes():
     assert sorted(result.component for result in results) == ["ClassConstraintComponent", "MinCountConstraintComponent"]
     assert {result.focus.value for result in results} == {EX + "a"}
     assert len(faults) == 5
+
+
+@pytest.mark.parametrize(
+    ("written", "value"), [("true", True), ('"1"^^xsd:boolean', True), ("false", False), ('"0"^^xsd:boolean', False)]
+)
+def test_booleans_are_read_by_value(written, value):
+    shape = "ex:A sh:targetNode ex:a ; sh:class ex:C ; sh:deactivated {} . ex:B sh:targetNode ex:a ; sh:closed {} ."
+    compiled = compile_graph(graph_of(PREFIXES + shape.replace("{}", written)), [])
+    found = {r.component for r in validate_graph(graph_of(PREFIXES + "ex:a ex:p 1 ."), compiled, [])}
+    assert found == ({"ClosedConstraintComponent"} if value else {"ClassConstraintComponent"})

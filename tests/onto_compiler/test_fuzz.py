@@ -192,6 +192,7 @@ def test_a_long_chain_of_classes_is_checked_before_the_alarm(tmp_path):
         "@prefix owl: <http://www.w3.org/2002/07/owl#> .\n@prefix rdfs: <http://www.w3.org/2000/01/rdf-schema#> .\n"
     )
     chain = "".join(f"<a:c{n}> a owl:Class ; rdfs:subClassOf <a:c{n + 1}> .\n" for n in range(150))
-    outcome = outcome_of(prefixes + chain, TURTLE, tmp_path)
+    contradiction = "<a:d> a owl:Class ; owl:disjointWith <a:c150> .\n<a:i> a <a:c0> , <a:d> .\n"
+    outcome = outcome_of(prefixes + chain + contradiction, TURTLE, tmp_path)
     assert (outcome.fault, outcome.checked) == ("", True)
-    assert outcome.problems
+    assert {problem.code for problem in outcome.problems if problem.severity == "error"} == {"OWL005"}

@@ -81,6 +81,10 @@ def _is_named(_: Graph, term: Term) -> bool:
     return not isinstance(term, (BlankNode, Triple))
 
 
+def _is_term(_: Graph, __: Term) -> bool:
+    return True
+
+
 def _is_node(_: Graph, term: Term) -> bool:
     return isinstance(term, (NamedNode, BlankNode))
 
@@ -132,9 +136,9 @@ PARAMETERS: Mapping[str, Rule] = {
     "disjoint": Rule(*_IRI),
     "equals": Rule(*_IRI),
     "flags": Rule(*_STRING, single=True, wants=("pattern",)),
-    "hasValue": Rule(_is_named, "an IRI or a literal"),
+    "hasValue": Rule(_is_term, "an RDF term"),
     "ignoredProperties": Rule(_list_of(_is_iri), "a list of IRIs: ( rdf:type )", single=True, wants=("closed",)),
-    "in": Rule(_list_of(_is_named), "a list of IRIs and literals, such as ( ex:a ex:b )", single=True),
+    "in": Rule(_list_of(_is_term), "a list, such as ( ex:a ex:b )", single=True),
     "languageIn": Rule(_list_of(_is_string), 'a list of languages, such as ( "en" "de" )', single=True),
     "lessThan": Rule(*_IRI, on_property=True),
     "lessThanOrEquals": Rule(*_IRI, on_property=True),

@@ -61,13 +61,12 @@ BAD = (
     {name: IRI for name in PARAMETERS if PARAMETERS[name].expected == "an IRI"}
     | {name: COUNT for name in PARAMETERS if name.lower().endswith(("count", "length"))}
     | dict.fromkeys(("closed", "deactivated", "qualifiedValueShapesDisjoint", "uniqueLang"), BOOLEAN)
-    | {name: [*LIST, "( [] )"] for name in ("in", "ignoredProperties")}
+    | {"in": LIST, "ignoredProperties": [*LIST, "( [] )"], "hasValue": []}
     | {name: [*LIST, "()", "( ex:NoSuch )"] for name in ("and", "or", "xone")}
     | dict.fromkeys(("node", "not", "qualifiedValueShape"), SHAPE)
     | {f"{side}{kind}": ["ex:a", '"x"^^xsd:integer'] for side in ("min", "max") for kind in ("Inclusive", "Exclusive")}
     | {
         "flags": ["1", "ex:a"],
-        "hasValue": ["[]"],
         "languageIn": [*LIST, "( 1 )"],
         "message": ["1", "ex:a"],
         "nodeKind": ["sh:Iri", '"sh:IRI"', "ex:IRI"],

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import NoReturn
 
 from pyoxigraph import Literal, NamedNode, Triple
 
@@ -13,6 +14,7 @@ from onto_compiler.rdf import BASE, OWL, SH, XSD
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.paths import Path, sparql_path
+from onto_compiler.sparql import refusal
 from onto_compiler.sparql_faults.explain import query_fault, without_mark
 from onto_compiler.sparql_faults.fault import Fault
 from onto_compiler.terms import text_of
@@ -22,6 +24,7 @@ __all__ = ["Parameter", "Reader", "local"]
 _IMPORTS = NamedNode(OWL + "imports")
 _QUERIES = ("ask", "construct", "select", "update")
 _ANY_PATH = Path("predicate", NamedNode("urn:onto-evwm:path"))
+_DECLARATIONS = re.compile(r"(?:PREFIX (?:[^\W\d_][\w.\-]*)?: <[^<>\"{}|^`\\\x00-\x20]*>\n)*")
 _PATH, _PATH_OF_THAT_LENGTH = re.compile(r"[$?]PATH\b"), "<p:p>"
 _DECLARE = 'declare it: sh:prefixes [ sh:declare [ sh:prefix "{prefix}" ; sh:namespace "{iri}"^^xsd:anyURI ] ]'
 _TRUE = tuple(Literal(text, datatype=NamedNode(XSD + "boolean")) for text in ("true", "1"))
@@ -103,8 +106,20 @@ class Reader:
             said = fault.message if fault.code else f"{what} cannot run: {fault.message}"
             raise ShapeFault(said, node, name, text, code=code, hint=fault.hint, inside=inside)
         lines = "".join(f"PREFIX {prefix}: <{namespace}>\n" for prefix, namespace in known.items())
+        if not _DECLARATIONS.fullmatch(lines):
+            self._refuse(lines + written, node, name, text)
         body = without_mark(written)
         return lines + (body if path is None else _PATH.sub(lambda _: sparql_path(path), body))
+
+    def _refuse(self, query: str, node: Term, name: str, text: Literal) -> NoReturn:
+        """Refuse a query whose ``sh:declare`` gives no prefix or no IRI: what it gives may hold a query of its own."""
+        try:
+            hidden = refusal(query)
+        except SyntaxError:
+            hidden = None
+        said = "a sh:declare of this query gives a prefix that is no name, or a namespace that is no IRI"
+        hint = 'write it as sh:declare [ sh:prefix "ex" ; sh:namespace "http://example.org/"^^xsd:anyURI ]'
+        raise ShapeFault(said, node, name, text, code=hidden.code if hidden else "SHP002", hint=hint)
 
     def refused(self) -> Iterator[ShapeFault]:
         """Every query of the graph that must not be run, whether anything uses it or not."""

@@ -37,7 +37,7 @@ def quiet(_text: str) -> None:
 def world(films):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(training, "filmed", lambda _shoot, _jobs, _say: films)
-        patch.setattr(training, "_asked", lambda: ASKED)
+        patch.setattr(training, "_suite_facts", lambda: ASKED)
         patch.setattr(motion, "_BATCH", 64)
         patch.setattr(motion, "_SEGMENTS", 16)
         patch.setattr(heads, "_WINDOWS", 16)

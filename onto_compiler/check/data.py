@@ -20,6 +20,7 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import OWL
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
+from onto_compiler.shacl.rules import infer
 from onto_compiler.shacl.validate import validate_graph
 from onto_compiler.shacl.wellformed import misspelt
 from onto_compiler.sources import MANY, parse_problem
@@ -55,12 +56,14 @@ def check_data(paths: Sequence[Path | str], shapes: Sequence[Path | str]) -> Rep
         named = ", ".join(f"`{path}`" for path in shapes)
         message = f"no shape of {named} has a target, so that nothing would be validated"
         raise OntoError.of("CLI002", message, "say what a shape is for: sh:targetClass, for one")
+    written = len(graph)
+    infer(graph, known_graph, faults)
     results = validate_graph(graph, compiled, faults)
     if results or faults:
         from onto_compiler.check.data_places import place  # noqa: PLC0415 - a clean run needs no places
 
         problems += place(data, known, results, faults)
-    return Report(tuple(sorted(set(problems))), files, len(graph), Validated(results, compiled.graph, not faults))
+    return Report(tuple(sorted(set(problems))), files, written, Validated(results, compiled.graph, not faults))
 
 
 def _graph(documents: Iterable[Document]) -> Graph:

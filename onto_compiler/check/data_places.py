@@ -20,6 +20,7 @@ from onto_compiler.shacl.model import ShapeFault, ShapeResult
 from onto_compiler.shacl.naming import path_text, shape_id, shape_label, shape_name
 from onto_compiler.shacl.paths import read_path
 from onto_compiler.shacl.report import record
+from onto_compiler.shacl.rules import infer
 from onto_compiler.shacl.severity import level
 from onto_compiler.shacl.validate import validate_graph
 from onto_compiler.shacl.wellformed import misspelt
@@ -43,7 +44,9 @@ def place(
     in_data, in_shapes = _Places(data), _Places(shapes)
     if in_data.whole and in_shapes.whole:
         again = misspelt(in_shapes.graph)
-        found = validate_graph(in_data.graph, compile_graph(in_shapes.graph, again), again)
+        compiled = compile_graph(in_shapes.graph, again)
+        infer(in_data.graph, in_shapes.graph, again)
+        found = validate_graph(in_data.graph, compiled, again)
         if len(found) == len(results) and len(again) == len(faults):
             results, faults = found, again
     writer = _Writer(in_data, in_shapes)

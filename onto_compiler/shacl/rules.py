@@ -22,7 +22,7 @@ from onto_compiler.shacl.reader import Reader
 from onto_compiler.shacl.validate import Validation, focus_nodes
 from onto_compiler.terms import text_of
 
-__all__ = ["GraphRule", "RuleBase", "read_rule_base"]
+__all__ = ["GraphRule", "RuleBase", "infer", "read_rule_base"]
 
 _TYPE, _RULE = NamedNode(RDF + "type"), NamedNode(SH + "rule")
 Conclude = Callable[[Run, Term], Iterable[Triple]]
@@ -98,6 +98,16 @@ def read_rule_base(graph: Graph) -> RuleBase:
             raise ShapeFault("a rule of the shape is nested without end", shape) from None
     rules.sort(key=lambda rule: (rule.order, str(rule.iri)))
     return RuleBase(tuple(rules), Shapes((), compiler.known, graph, declared_functions(compiler.reader)))
+
+
+def infer(data: Graph, shapes: Graph, faults: list[ShapeFault]) -> None:
+    """Add to ``data`` what the rules of ``shapes`` conclude, or to ``faults`` why one cannot run."""
+    if not shapes.holders(_RULE):
+        return
+    try:
+        read_rule_base(shapes).apply(data)
+    except ShapeFault as fault:
+        faults.append(fault)
 
 
 def _rules(compiler: Compiler, shape: Term) -> Iterator[GraphRule]:

@@ -41,12 +41,14 @@ def test_installed_tasks_parse_and_print(files, name, distinct):
         assert parse(format_task(spec)) == spec
 
 
-def test_every_task_of_libero_plus_parses_and_two_instructions_are_a_prompts(files):
+def test_tasks_of_libero_plus_parse_and_two_instructions_are_a_prompts(files):
     schema = load_schema()
     found = files(LIBERO_PLUS)
     assert len(found) == 8_102
     strange = []
-    for file in found:
+    # `onto bench bddl` parses all of them; here those with other instructions, and each tenth of the others.
+    others = [file for file in found if "language" not in file.stem]
+    for file in {*found} - {*others} | {*others[::10]}:
         spec = parse_file(file)
         if "language" in file.stem:
             strange += [p.message for p in lift(spec, schema, file.stem)[1] if p.code == "BDDL029"]

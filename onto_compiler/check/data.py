@@ -14,6 +14,7 @@ from urllib.parse import unquote, urlparse
 from pyoxigraph import NamedNode, RdfFormat, parse
 
 from onto_compiler.check.documents import ENDINGS, Document
+from onto_compiler.check.query_terms import undeclared_in_queries
 from onto_compiler.check.run import Report, Validated
 from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
@@ -56,13 +57,14 @@ def check_data(paths: Sequence[Path | str], shapes: Sequence[Path | str]) -> Rep
         named = ", ".join(f"`{path}`" for path in shapes)
         message = f"no shape of {named} has a target, so that nothing would be validated"
         raise OntoError.of("CLI002", message, "say what a shape is for: sh:targetClass, for one")
+    remarks = tuple(undeclared_in_queries(known_graph, graph))
     written = len(graph)
     infer(graph, known_graph, faults)
     results = validate_graph(graph, compiled, faults)
-    if results or faults:
+    if results or faults or remarks:
         from onto_compiler.check.data_places import place  # noqa: PLC0415 - a clean run needs no places
 
-        problems += place(data, known, results, faults)
+        problems += place(data, known, results, faults, remarks)
     return Report(tuple(sorted(set(problems))), files, written, Validated(results, compiled.graph, not faults))
 
 

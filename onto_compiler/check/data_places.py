@@ -12,6 +12,7 @@ from typing import Any
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Triple
 
 from onto_compiler.check.documents import Document
+from onto_compiler.check.query_terms import undeclared_in_queries
 from onto_compiler.problems import Problem, Span
 from onto_compiler.rdf import RDF, SH
 from onto_compiler.shacl.compile import compile_graph
@@ -39,20 +40,25 @@ def place(
     shapes: Sequence[Document],
     results: Sequence[ShapeResult],
     faults: Sequence[ShapeFault],
+    remarks: Sequence[ShapeFault] = (),
 ) -> Iterator[Problem]:
-    """The problems that ``results`` and ``faults`` are. Both are found again in what the walker reads."""
+    """The problems that ``results``, ``faults`` and ``remarks`` are. All are found again in what the walker reads.
+
+    ``remarks`` are faults of shapes that run all the same.
+    """
     in_data, in_shapes = _Places(data), _Places(shapes)
     if in_data.whole and in_shapes.whole:
         again = misspelt(in_shapes.graph)
         compiled = compile_graph(in_shapes.graph, again)
+        noted = tuple(undeclared_in_queries(in_shapes.graph, in_data.graph))
         infer(in_data.graph, in_shapes.graph, again)
         found = validate_graph(in_data.graph, compiled, again)
-        if len(found) == len(results) and len(again) == len(faults):
-            results, faults = found, again
+        if (len(found), len(again), len(noted)) == (len(results), len(faults), len(remarks)):
+            results, faults, remarks = found, again, noted
     writer = _Writer(in_data, in_shapes)
     for result in results:
         yield writer.problem(result)
-    for fault in faults:
+    for fault in (*faults, *remarks):
         yield writer.fault(fault)
 
 
@@ -205,11 +211,11 @@ class _Writer:
         if span is None and parameter is not None:
             span = self.shapes.predicate(fault.shape, parameter)
         span = span or self.shapes.subject(fault.shape)
-        code, message, hint = fault.fields
+        (code, message, hint), severity = fault.fields, fault.problems[0].severity
         if span is None:  # of a format without places
             file = self.shapes.file_of(fault.shape) or self.shapes.documents[0].path
-            return Problem.at(Span(str(file)), code, f"{message}{_within(fault)}", hint)
-        return Problem.at(span, code, message, _UNKNOWN.sub(self._namespace, hint))
+            return Problem.at(Span(str(file)), code, f"{message}{_within(fault)}", hint, severity)
+        return Problem.at(span, code, message, _UNKNOWN.sub(self._namespace, hint), severity)
 
     def _namespace(self, match: re.Match[str]) -> str:
         """The namespace that a shapes file gives a prefix, where a hint leaves it open."""

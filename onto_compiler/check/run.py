@@ -23,6 +23,7 @@ from onto_compiler.check.profile_dl import check_dl
 from onto_compiler.check.profile_rl import check_rl
 from onto_compiler.check.progress import Step, silent
 from onto_compiler.check.queries import query_checks, run_query
+from onto_compiler.check.query_terms import check_query_terms
 from onto_compiler.check.rules import check_rules
 from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.check.suppressions import unsuppressed
@@ -217,6 +218,7 @@ _CHECKS: tuple[tuple[str, Callable[[Model], Iterable[Finding]]], ...] = (
     ("domains and ranges", check_domains),
     ("deprecated terms", check_deprecated),
     ("standard vocabularies", check_terms),
+    ("names in queries", check_query_terms),
     ("rules", check_rules),
     ("bindings", check_bindings),
     ("shapes", _shape_findings),

@@ -100,6 +100,15 @@ class Graph:
         """Every node that has a property, with its values."""
         return self._forward.get(predicate, _NONE)
 
+    @property
+    def properties(self) -> Iterable[NamedNode]:
+        """The predicates of all triples."""
+        return self._forward.keys()
+
+    def has_subject(self, node: Term) -> bool:
+        """Whether a triple has ``node`` for its subject."""
+        return any(node in by_subject for by_subject in self._forward.values())
+
     def values(self, predicate: NamedNode) -> Mapping[Term, Ordered]:
         """Every value of a property, with the nodes that have it."""
         backward = self._backward.get(predicate)

@@ -50,8 +50,9 @@ class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError on
         code: str = "SHP002",
         hint: str = "",
         inside: tuple[int, int] | None = None,
+        severity: str = "error",
     ) -> None:
-        super().__init__(Problem("", 0, 0, code, "error", message, hint or _HINT.format(code)))
+        super().__init__(Problem("", 0, 0, code, severity, message, hint or _HINT.format(code)))
         self.shape, self.parameter, self.value, self.inside = shape, parameter, value, inside
 
     def same(self, other: ShapeFault) -> bool:

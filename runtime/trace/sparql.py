@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,8 @@ from onto_compiler.problems import OntoError, Problem, near
 from onto_compiler.rdf import PREFIXES, XSD, shorten
 from onto_compiler.shacl.values import is_well_formed
 from onto_compiler.sparql_faults.explain import query_fault, without_mark
+from onto_compiler.sparql_faults.fault import Fault
+from onto_compiler.sparql_faults.undeclared import StoreVocabulary, undeclared
 from onto_compiler.terms import show
 from onto_compiler.turtle.tokens import SourceText
 from runtime.trace.names import RUNS
@@ -57,21 +59,29 @@ def ask(store: Store | LexicalStore, query: str, *, name: str = "", file: str = 
 
     Raises:
         OntoError: TRC004 if the query is no SPARQL or cannot be evaluated; QRY001 to QRY003 if it would reach
-            the network, change the trace, or ask for graphs that are not in it.
+            the network, change the trace, or ask for graphs that are not in it; VOC001 or VOC011 for each name
+            that its vocabulary does not declare, which would match nothing.
     """
     asked = store if isinstance(store, LexicalStore) else LexicalStore(store=store)
     graphs = {graph.value for graph in asked.store.named_graphs()}
     fault = query_fault(query, PREFIXES, graphs=graphs)
     if fault is not None:
-        span = SourceText(file, query).span(fault.start, fault.start + fault.length)
         message = fault.message if fault.code else f"not SPARQL: {fault.message}"
         hint = fault.hint or "see `onto trace query --help`"
-        raise OntoError(Problem.at(span, fault.code or "TRC004", message, hint))
+        raise OntoError(_problem(query, file, replace(fault, message=message, hint=hint, code=fault.code or "TRC004")))
+    unknown = [_problem(query, file, one) for _, one in undeclared(query, PREFIXES, StoreVocabulary(asked.store))]
+    if unknown:
+        raise OntoError(*unknown)
     try:
         columns, rows = _table(asked.ask(without_mark(query), prefixes=PREFIXES))
     except (RuntimeError, ValueError, OSError) as error:
         raise OntoError.of("TRC004", f"the query cannot be evaluated: {error}", "", file) from error
     return Answer(name, _question(query), query, columns, rows)
+
+
+def _problem(query: str, file: str, fault: Fault) -> Problem:
+    span = SourceText(file, query).span(fault.start, fault.start + fault.length)
+    return Problem.at(span, fault.code, fault.message, fault.hint)
 
 
 def _table(answer: Rows) -> tuple[tuple[str, ...], tuple[tuple[Cell, ...], ...]]:

@@ -45,6 +45,14 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         help="validate PATH, data of any ontology in any RDF format, with these SHACL shapes and nothing else",
     )
     parser.add_argument(
+        "--import",
+        action="append",
+        default=[],
+        dest="imports",
+        metavar="IRI=FILE",
+        help="with --shapes: the file to read where data or shapes import this IRI; nothing is ever fetched",
+    )
+    parser.add_argument(
         "--reasoner",
         choices=("rl", "hermit"),
         default="rl",
@@ -90,7 +98,8 @@ def _check(arguments: argparse.Namespace) -> int:
 
 def _checked(arguments: argparse.Namespace) -> int:
     paths: Sequence[Path] = arguments.paths
-    missing = [path for path in (*paths, *arguments.shapes) if not path.exists()]
+    imports = _imports(arguments)
+    missing = [path for path in (*paths, *arguments.shapes, *imports.values()) if not path.exists()]
     for path in missing:
         _log(f"onto check: `{path}` does not exist")
     if missing:
@@ -123,7 +132,7 @@ def _once(arguments: argparse.Namespace) -> int:
         if arguments.shapes:
             from onto_compiler.check.data import check_data  # noqa: PLC0415
 
-            report = check_data(arguments.paths, arguments.shapes)
+            report = check_data(arguments.paths, arguments.shapes, _imports(arguments))
             report = replace(report, problems=tuple(sorted(settings.chosen(report.problems))))
         else:
             from onto_compiler.check.cached import cached_check  # noqa: PLC0415
@@ -143,6 +152,20 @@ def _once(arguments: argparse.Namespace) -> int:
             _print(arguments, replace(report, problems=(*report.problems, *error.problems)), begin)
             return MISUSE
     return _print(arguments, report, begin)
+
+
+def _imports(arguments: argparse.Namespace) -> dict[str, Path]:
+    """The files that ``--import`` gives, by the IRI that each is imported by."""
+    found = {}
+    for given in arguments.imports:
+        iri, equals, file = given.rpartition("=")
+        if not (iri and equals and file):
+            hint = "write --import http://example.org/ontology=FILE"
+            raise OntoError.of("CLI002", f"`{given}` is no IRI=FILE", hint)
+        found[iri] = Path(file)
+    if found and not arguments.shapes:
+        raise OntoError.of("CLI002", "--import is given without --shapes", "say which shapes to validate with")
+    return found
 
 
 def _refuse_report(arguments: argparse.Namespace) -> None:

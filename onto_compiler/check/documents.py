@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from codecs import BOM_UTF8
 from dataclasses import dataclass
 from pathlib import Path
 
-from pyoxigraph import Quad, RdfFormat, Triple
+from pyoxigraph import Quad, RdfFormat, Triple, parse
 
-__all__ = ["ENDINGS", "Document"]
+from onto_compiler.problems import OntoError, Problem
+from onto_compiler.sources import MANY, parse_problem
+
+__all__ = ["ENDINGS", "HINT", "Document", "read_document"]
 
 ENDINGS = {
     ".ttl": RdfFormat.TURTLE,
@@ -20,6 +24,8 @@ ENDINGS = {
     ".jsonld": RdfFormat.JSON_LD,
     ".json": RdfFormat.JSON_LD,
 }
+HINT = f"give a file whose name ends in {', '.join(ENDINGS)}, or a folder that holds some"
+_NESTED = {RdfFormat.TURTLE, RdfFormat.TRIG}
 WITH_PLACES = {RdfFormat.TURTLE, RdfFormat.N_TRIPLES, RdfFormat.TRIG, RdfFormat.N_QUADS}
 
 
@@ -35,3 +41,41 @@ class Document:
     def has_places(self) -> bool:
         """Whether lines and columns are known."""
         return self.format in WITH_PLACES
+
+
+def read_document(path: Path) -> Document:
+    """Read one file by its ending.
+
+    Raises:
+        OntoError: TTL001, TTL002 or TTL009, where it cannot be read.
+
+    """
+    kind = ENDINGS.get(path.suffix.lower())
+    if kind is None:
+        raise OntoError.of("TTL002", f"`{path.name}` has no ending that says what it holds", HINT, str(path))
+    try:
+        data = path.read_bytes().removeprefix(BOM_UTF8)
+        if kind in _NESTED and data.count(b"[") + data.count(b"(") > MANY:
+            from onto_compiler.turtle.limits import nesting_problem  # noqa: PLC0415 - few files need it
+
+            problem = nesting_problem(path, data.decode("utf-8", errors="replace"))
+            if problem is not None:
+                raise OntoError(problem)
+        found = parse(data, format=kind, base_iri=path.as_uri(), rename_blank_nodes=True)
+        return Document(path, kind, tuple(found))
+    except SyntaxError as error:
+        raise OntoError(_syntax(path, kind, error)) from error
+    except OSError as error:
+        message = f"cannot read `{path.name}`: {error.strerror or error}"
+        raise OntoError.of("TTL002", message, HINT, str(path)) from error
+
+
+def _syntax(path: Path, kind: RdfFormat, error: SyntaxError) -> Problem:
+    if kind in _NESTED:
+        return parse_problem(path, error)
+    reason = " ".join(str(error.msg or error).partition(" (line ")[0].split()).rpartition(": ")[2]
+    hint = "see `onto explain TTL001`"
+    if "LoadDocumentCallback" in reason:
+        reason, hint = "its context is at another place, and nothing is fetched", "write the context into the file"
+    message = f"not {kind.name}: {reason[:1].lower()}{reason[1:]}"
+    return Problem(str(path), error.lineno or 0, error.offset or 0, "TTL001", "error", message, hint)

@@ -147,7 +147,8 @@ def test_subclasses_in_another_data_file_count(put):
 def test_shapes_may_import_a_local_file(put):
     put("shapes.ttl", SHAPES)
     importing = put("all.ttl", "<> <http://www.w3.org/2002/07/owl#imports> <shapes.ttl> , <nowhere.ttl> .")
-    assert len(check_data([put("data.ttl", PREFIXES + "ex:a a ex:Person .")], [importing]).problems) == 1
+    problems = check_data([put("data.ttl", PREFIXES + "ex:a a ex:Person .")], [importing]).problems
+    assert [(problem.code, problem.line) for problem in problems] == [("IMP001", 1), ("SHP001", 4)]
 
 
 def test_a_target_node_without_data_stands_in_the_shapes(put):

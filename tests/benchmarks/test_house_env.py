@@ -12,8 +12,6 @@ from benchmarks.house_env import core_environment
 ROOT = Path(__file__).resolve().parents[2]
 EXTRAS = ("mujoco", "robosuite", "libero", "torch", "gymnasium", "h5py", "owlready2", "PIL", "numba")
 
-pytestmark = pytest.mark.xdist_group("core_environment")
-
 
 @pytest.fixture(scope="module")
 def core(tmp_path_factory):

@@ -10,7 +10,7 @@ import pytest
 from onto_compiler.command import CLEAN
 from runtime.cli import main
 
-pytestmark = [pytest.mark.sim, pytest.mark.xdist_group("commands")]
+pytestmark = pytest.mark.sim
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/play.md").read_text()
 

@@ -11,8 +11,6 @@ from onto_compiler.check.pages import FOLDER, codes, index
 from onto_compiler.check.queries import query_checks
 from onto_compiler.check.run import check
 
-pytestmark = pytest.mark.xdist_group("broken_files")
-
 HERE = Path(__file__).parent
 ROOT = Path(__file__).resolve().parents[3]
 BROKEN = sorted((HERE / "broken").glob("*.ttl"))

@@ -80,7 +80,6 @@ def test_what_onto_compile_says_of_a_broken_task_is_valid(schema, capsys, tmp_pa
 
 
 @pytest.mark.sim
-@pytest.mark.xdist_group("commands")
 @pytest.mark.parametrize(
     ("command", "definition"), [("ground", "Grounding"), ("diagnose", "Diagnoses"), ("repair", "Episode")]
 )

@@ -7,7 +7,6 @@ from dataclasses import replace
 from pyoxigraph import Literal, NamedNode, Store
 
 from onto_compiler.problems import OntoError, Problem
-from onto_compiler.rdf import SH
 from onto_compiler.shacl.model import ShapeFault
 
 __all__ = ["placed"]
@@ -16,8 +15,8 @@ __all__ = ["placed"]
 def placed(store: Store, fault: ShapeFault) -> OntoError:
     """``fault`` at the literal that it speaks of; as it is where that stands in no file."""
     code, message, hint = fault.fields
-    parameter = NamedNode(SH + fault.parameter)
-    if not isinstance(fault.value, Literal):
+    parameter = fault.predicate
+    if parameter is None or not isinstance(fault.value, Literal):
         return fault
     for quad in store.quads_for_pattern(None, parameter, fault.value, None):
         graph = quad.graph_name

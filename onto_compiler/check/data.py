@@ -60,7 +60,7 @@ def check_data(
         raise OntoError.of("CLI002", message, "say what a shape is for: sh:targetClass, for one")
     remarks = tuple(undeclared_in_queries(known_graph, graph))
     written = len(graph)
-    infer(graph, known_graph, faults)
+    infer(graph, compiled.graph, faults)
     results = validate_graph(graph, compiled, faults)
     problems += (*lead.problems, *lead.unused())
     if results or faults or remarks:

@@ -14,7 +14,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Triple
 from onto_compiler.check.documents import Document
 from onto_compiler.check.query_terms import undeclared_in_queries
 from onto_compiler.problems import Problem, Span
-from onto_compiler.rdf import RDF, SH
+from onto_compiler.rdf import RDF
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.model import ShapeFault, ShapeResult
@@ -51,7 +51,7 @@ def place(
         again = misspelt(in_shapes.graph)
         compiled = compile_graph(in_shapes.graph, again)
         noted = tuple(undeclared_in_queries(in_shapes.graph, in_data.graph))
-        infer(in_data.graph, in_shapes.graph, again)
+        infer(in_data.graph, compiled.graph, again)
         found = validate_graph(in_data.graph, compiled, again)
         if (len(found), len(again), len(noted)) == (len(results), len(faults), len(remarks)):
             results, faults, remarks = found, again, noted
@@ -204,7 +204,7 @@ class _Writer:
 
     def fault(self, fault: ShapeFault) -> Problem:
         """A shape that cannot run."""
-        parameter = NamedNode(SH + fault.parameter) if fault.parameter else None
+        parameter = fault.predicate
         span = None
         if parameter is not None and fault.value is not None:
             span = self.shapes.object(fault.shape, parameter, fault.value, fault.inside)

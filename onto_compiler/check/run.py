@@ -29,7 +29,6 @@ from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.check.suppressions import unsuppressed
 from onto_compiler.check.terms import check_terms
 from onto_compiler.problems import OntoError, Problem
-from onto_compiler.rdf import SH
 from onto_compiler.reasoning.axioms import TYPE
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
@@ -136,7 +135,7 @@ def _shape_findings(model: Model) -> Iterator[Finding]:
 def fault_finding(fault: ShapeFault) -> Finding:
     """A shape that cannot run, at the parameter that is at fault."""
     code, message, hint = fault.fields
-    parameter = NamedNode(SH + fault.parameter) if fault.parameter else None
+    parameter = fault.predicate
     return Finding(code, "error", message, hint, fault.shape, parameter, fault.value, inside=fault.inside)
 
 

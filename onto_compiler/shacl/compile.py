@@ -20,7 +20,7 @@ from onto_compiler.shacl.sparql import Component, components, custom_checks, spa
 from onto_compiler.shacl.wellformed import sound_part
 from onto_compiler.terms import text_of
 
-__all__ = ["Compiler", "compile_graph"]
+__all__ = ["Compiler", "compile_graph", "note"]
 
 _BUILDERS = {**COMPONENTS, **SHAPE_COMPONENTS}
 _TARGETS = {
@@ -158,7 +158,8 @@ def _candidates(graph: Graph) -> list[Term]:
     return sorted(found, key=str)
 
 
-def _note(fault: ShapeFault, faults: list[ShapeFault]) -> None:
+def note(fault: ShapeFault, faults: list[ShapeFault]) -> None:
+    """Append a fault, once."""
     if not any(fault.same(other) for other in faults):
         faults.append(fault)
 
@@ -178,7 +179,7 @@ def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shape
     for refused in compiler.reader.refused():
         if faults is None:
             raise refused
-        _note(refused, faults)
+        note(refused, faults)
     roots = []
     for node in _candidates(graph):
         try:
@@ -188,7 +189,7 @@ def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shape
         except ShapeFault as fault:
             if faults is None:
                 raise
-            _note(fault, faults)
+            note(fault, faults)
         else:
             if not shape.deactivated:
                 roots.append(shape)

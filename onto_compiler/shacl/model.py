@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.problems import OntoError, Problem
+from onto_compiler.rdf import SH
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.paths import Path
 from onto_compiler.shacl.prebinding import Query
@@ -37,6 +38,7 @@ _HINT = "correct the shape; see `onto explain {}`"
 class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError one in any input
     """A shape that cannot run (SHP002): ``shape``, and the parameter and value of it that are at fault.
 
+    ``parameter`` is a local name of SHACL's namespace, or the IRI of another property.
     ``inside`` is the character of the literal ``value`` that the fault begins at, and how many it covers.
     """
 
@@ -58,6 +60,13 @@ class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError on
     def same(self, other: ShapeFault) -> bool:
         """Whether the two are the same fault of the same shape."""
         return str(self) == str(other) and self.shape == other.shape
+
+    @property
+    def predicate(self) -> NamedNode | None:
+        """The parameter as a term; None where the shape as a whole is at fault."""
+        if not self.parameter:
+            return None
+        return NamedNode(self.parameter if ":" in self.parameter else SH + self.parameter)
 
     @property
     def fields(self) -> tuple[str, str, str]:

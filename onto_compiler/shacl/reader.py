@@ -65,9 +65,9 @@ class Reader:
         """Message, code and hint that a shape or constraint gives."""
         return self.text(node, "message"), self.text(node, _CODE), self.text(node, _HINT)
 
-    def prefixes(self, node: Term) -> dict[str, str]:
-        """The namespaces that ``sh:prefixes`` of ``node`` declares, imported ontologies included, by prefix."""
-        found: dict[str, str] = {}
+    def declarations(self, node: Term) -> list[Term]:
+        """The values of sh:declare that ``sh:prefixes`` of ``node`` stands for, imported ontologies included."""
+        found: list[Term] = []
         todo, seen = self.values(node, "prefixes"), set[Term]()
         while todo:
             header = todo.pop()
@@ -75,10 +75,16 @@ class Reader:
                 continue
             seen.add(header)
             todo += self.values(header, _IMPORTS)
-            for declaration in self.values(header, "declare"):
-                prefix, namespace = self.one(declaration, "prefix"), self.one(declaration, "namespace")
-                if prefix is not None and namespace is not None:
-                    found[text_of(prefix)] = text_of(namespace)
+            found += self.values(header, "declare")
+        return found
+
+    def prefixes(self, node: Term) -> dict[str, str]:
+        """The namespaces that ``sh:prefixes`` of ``node`` declares, by prefix."""
+        found: dict[str, str] = {}
+        for declaration in self.declarations(node):
+            prefix, namespace = self.one(declaration, "prefix"), self.one(declaration, "namespace")
+            if prefix is not None and namespace is not None:
+                found[text_of(prefix)] = text_of(namespace)
         return dict(sorted(found.items()))
 
     def query(self, node: Term, name: str, path: Path | None = None, *, what: str = "the query") -> str | None:

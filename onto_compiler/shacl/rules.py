@@ -12,7 +12,8 @@ from itertools import product
 from pyoxigraph import Literal, NamedNode, Triple
 
 from onto_compiler.rdf import RDF, SH
-from onto_compiler.shacl.compile import Compiler
+from onto_compiler.shacl.compile import Compiler, note
+from onto_compiler.shacl.declarations import rule_faults
 from onto_compiler.shacl.expressions import Expression, read_expression
 from onto_compiler.shacl.functions import declared_functions
 from onto_compiler.shacl.graph import Graph, Term
@@ -47,20 +48,24 @@ class RuleBase:
     rules: tuple[GraphRule, ...]
     shapes: Shapes
 
-    def apply(self, data: Graph) -> list[Triple]:
+    def apply(self, data: Graph, faults: list[ShapeFault] | None = None) -> list[Triple]:
         """Run every rule once over ``data``, add what they conclude to it and return what was new.
 
+        A rule that cannot run is left out and its fault appended to ``faults``.
+
         Raises:
-            ShapeFault: a rule, a condition or a function cannot run.
+            ShapeFault: a rule, a condition or a function cannot run, and no list is given.
 
         """
         concluded: list[Triple] = []
         for order in sorted({rule.order for rule in self.rules}):
             same = replace(self, rules=tuple(rule for rule in self.rules if rule.order == order))
-            concluded += [triple for triple in same.conclude(data) if data.add(triple)]
+            concluded += [triple for triple in same.conclude(data, faults=faults) if data.add(triple)]
         return concluded
 
-    def conclude(self, data: Graph, allowed: Container[Term] | None = None) -> list[Triple]:
+    def conclude(
+        self, data: Graph, allowed: Container[Term] | None = None, faults: list[ShapeFault] | None = None
+    ) -> list[Triple]:
         """What the rules conclude of ``data`` as it is; ``allowed`` restricts the nodes that they fire for.
 
         Raises:
@@ -68,53 +73,75 @@ class RuleBase:
 
         """
         run = Validation(data, self.shapes)
-        return [
-            triple
-            for rule in self.rules
-            for focus in list(focus_nodes(data, rule.targets))
-            if allowed is None or focus in allowed
-            if all(run.conforms(focus, condition) for condition in rule.conditions)
-            for triple in rule.conclude(run, focus)
-        ]
+        found: list[Triple] = []
+        for rule in self.rules:
+            try:
+                found += _conclusions(run, rule, allowed)
+            except ShapeFault as fault:
+                if faults is None:
+                    raise
+                note(fault, faults)
+        return found
 
 
-def read_rule_base(graph: Graph) -> RuleBase:
+def _conclusions(run: Validation, rule: GraphRule, allowed: Container[Term] | None) -> list[Triple]:
+    return [
+        triple
+        for focus in list(focus_nodes(run.data, rule.targets))
+        if allowed is None or focus in allowed
+        if all(run.conforms(focus, condition) for condition in rule.conditions)
+        for triple in rule.conclude(run, focus)
+    ]
+
+
+def read_rule_base(graph: Graph, faults: list[ShapeFault] | None = None) -> RuleBase:
     """The rules of a shapes graph; deactivated ones, and those of deactivated shapes, are left out.
 
+    So are rules that are of a kind that is not known, or lack a part; their faults are appended to ``faults``.
+
     Raises:
-        ShapeFault: a rule is of a kind that is not known, or lacks a part.
+        ShapeFault: the first of them, or of the queries that must not be run, where no list is given.
 
     """
     compiler = Compiler(graph)
-    for refused in compiler.reader.refused():
+    for refused in () if faults is not None else compiler.reader.refused():
         raise refused
-    rules = []
+    rules: list[GraphRule] = []
     for shape in sorted(graph.holders(_RULE), key=str):
         if compiler.reader.is_true(shape, "deactivated"):
             continue
-        try:
-            rules += list(_rules(compiler, shape))
-        except RecursionError:
-            raise ShapeFault("a rule of the shape is nested without end", shape) from None
+        for node in compiler.reader.values(shape, "rule"):
+            try:
+                rules += _active(compiler, shape, node)
+            except ShapeFault as fault:
+                if faults is None:
+                    raise
+                note(fault, faults)
     rules.sort(key=lambda rule: (rule.order, str(rule.iri)))
-    return RuleBase(tuple(rules), Shapes((), compiler.known, graph, declared_functions(compiler.reader)))
+    return RuleBase(tuple(rules), Shapes((), compiler.known, graph, declared_functions(compiler.reader, faults)))
 
 
 def infer(data: Graph, shapes: Graph, faults: list[ShapeFault]) -> None:
-    """Add to ``data`` what the rules of ``shapes`` conclude, or to ``faults`` why one cannot run."""
+    """Add to ``data`` what the rules of ``shapes`` conclude, and to ``faults`` why others cannot run."""
     if not shapes.holders(_RULE):
         return
+    wrong = list(rule_faults(shapes))
+    for fault, _ in wrong:
+        note(fault, faults)
+    if wrong:
+        left_out = {triple for _, triple in wrong}
+        shapes = Graph(one for one in shapes if (one.subject, one.predicate, one.object) not in left_out)
+    read_rule_base(shapes, faults).apply(data, faults)
+
+
+def _active(compiler: Compiler, shape: Term, node: Term) -> list[GraphRule]:
+    """The rule that ``node`` is, unless it is deactivated."""
+    if compiler.reader.is_true(node, "deactivated"):
+        return []
     try:
-        read_rule_base(shapes).apply(data)
-    except ShapeFault as fault:
-        faults.append(fault)
-
-
-def _rules(compiler: Compiler, shape: Term) -> Iterator[GraphRule]:
-    targets = tuple(compiler.targets(shape))
-    for node in compiler.reader.values(shape, "rule"):
-        if not compiler.reader.is_true(node, "deactivated"):
-            yield _rule(compiler, shape, node, targets)
+        return [_rule(compiler, shape, node, tuple(compiler.targets(shape)))]
+    except RecursionError:
+        raise ShapeFault("a rule of the shape is nested without end", shape) from None
 
 
 def _rule(compiler: Compiler, shape: Term, node: Term, targets: tuple[Target, ...]) -> GraphRule:

@@ -225,3 +225,10 @@ def test_what_makes_no_sense_is_refused(put, words):
     shapes = put("shapes.ttl", SHAPES)
     with pytest.raises(OntoError, match="CLI002"):
         run(*([shapes, *words] if words else []), "--shapes", shapes)
+
+
+@pytest.mark.parametrize("statement", ["ex:Q a sh:NodeShpe .", "ex:Q ex:about sh:NodeShpe .", "ex:Q sh:abuot ex:a ."])
+def test_a_misspelt_term_of_shacl_is_placed_whatever_its_property(put, statement):
+    shapes = put("shapes.ttl", f"{PREFIXES}{statement} ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:nodeKind sh:IRI .")
+    (problem,) = check_data([put("data.ttl", "")], [shapes]).problems
+    assert (problem.code, problem.file, problem.line) == ("VOC011", str(shapes), 4)

@@ -53,7 +53,7 @@ ex:HasP a sh:NodeShape ; sh:property [ sh:path ex:p ; sh:minCount 1 ] ."""
     ("rule", "message"),
     [
         ("[ a sh:TripleRule ; sh:subject sh:this ; sh:predicate ex:q ]", "a sh:TripleRule has no sh:object"),
-        ('[ a sh:SPARQLRule ; sh:construct "SELECT * {}" ]', "no CONSTRUCT query"),
+        ('[ a sh:SPARQLRule ; sh:construct "SELECT * {}" ]', "of the form SELECT, not CONSTRUCT"),
         ("[ sh:order 1 ]", "neither a sh:TripleRule nor a sh:SPARQLRule"),
     ],
 )
@@ -66,3 +66,20 @@ def test_a_rule_that_cannot_run_is_a_problem_and_the_constraints_still_run(tmp_p
     (fault,) = [problem for problem in report.problems if problem.code == "SHP002"]
     assert message in fault.message
     assert (fault.file, fault.line) == (str(tmp_path / "shapes.ttl"), 3)
+
+
+def test_every_rule_that_cannot_run_is_told_and_the_others_run(tmp_path):
+    shapes = f"""ex:S a sh:NodeShape ; sh:targetNode ex:b ; sh:property [ sh:path ex:q ; sh:minCount 1 ] ;
+    sh:rule [ a sh:TripleRule ; sh:subject sh:this ; sh:predicate ex:q ] ,
+        [ sh:order 1 ] ,
+        [ {MADE} ] ,
+        [ {MADE} ; sh:condition ex:Nothing ] ,
+        [ {MADE} ; sh:deactivated "true" ] ."""
+    found = [(problem.code, problem.line) for problem in problems(tmp_path, shapes).problems]
+    assert found == [("SHP002", line) for line in (4, 5, 7, 8)]
+
+
+def test_a_rule_rests_on_no_condition_that_is_ill_formed(tmp_path):
+    shapes = f"""ex:S a sh:NodeShape ; sh:targetNode ex:b ; sh:property [ sh:path ex:q ; sh:maxCount 0 ] ;
+    sh:rule [ {MADE} ; sh:condition ex:C ] . ex:C a sh:NodeShape ; sh:class "ex:T" ."""
+    assert [(problem.code, problem.line) for problem in problems(tmp_path, shapes).problems] == [("SHP002", 4)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import cast
 
 from pyoxigraph import BlankNode, NamedNode
 
@@ -19,6 +18,7 @@ from onto_compiler.shacl.paths import read_path
 from onto_compiler.shacl.reader import Parameter, Reader
 from onto_compiler.shacl.sparql import sparql_check
 from onto_compiler.shacl.syntax import PARAMETERS, Triple3, broken, is_shape, query_faults
+from onto_compiler.terms import text_of
 
 __all__ = ["misspelt", "sound_part"]
 
@@ -28,6 +28,7 @@ _NODE_SHAPE, _PROPERTY_SHAPE = NamedNode(SH + "NodeShape"), NamedNode(SH + "Prop
 _REFERENCES = ("node", "not", "property", "qualifiedValueShape", "and", "or", "xone", "condition", "rule")
 _NO_SHAPE = {"message", "path", "severity", "deactivated", "sparql", "flags"}  # others have these too
 _BUILDERS = {**COMPONENTS, **SHAPE_COMPONENTS}
+_KNOWN = TERMS[SH] | {""}
 
 
 def sound_part(graph: Graph, faults: list[ShapeFault]) -> Graph:
@@ -110,6 +111,12 @@ def _resting_on(graph: Graph, unsound: set[Term], pathless: set[Term]) -> set[Tr
     return found
 
 
+def _named(graph: Graph, shape: Term, names: Iterable[str]) -> list[str]:
+    """Those of ``names`` that a shape has, in their order."""
+    own = {predicate.value.removeprefix(SH) for predicate in graph.predicates(shape)}
+    return [name for name in names if name in own]
+
+
 def _faults(graph: Graph, shape: Term) -> Iterator[tuple[ShapeFault, Triple3]]:
     """What breaks a rule of the table, each with the triple that does."""
     reader = Reader(graph)
@@ -121,8 +128,8 @@ def _faults(graph: Graph, shape: Term) -> Iterator[tuple[ShapeFault, Triple3]]:
         said = "a node shape has a sh:path, which only a property shape may have"
         for value in reader.values(shape, "path"):
             yield _fault(said, shape, "path", value), (shape, _TYPE, _NODE_SHAPE)
-    for name, rule in PARAMETERS.items():
-        values = reader.values(shape, name)
+    for name in _named(graph, shape, PARAMETERS):
+        rule, values = PARAMETERS[name], reader.values(shape, name)
         for said, value in broken(reader, shape, name, rule, values, has_path=has_path):
             yield _fault(said, shape, name, value), (shape, NamedNode(SH + name), value)
     for constraint in reader.values(shape, "sparql"):
@@ -136,7 +143,7 @@ def _failing(graph: Graph, shapes: Iterable[Term]) -> Iterator[tuple[ShapeFault,
     for shape in shapes:
         path_node = reader.one(shape, "path")
         path = read_path(graph, path_node) if path_node is not None else None
-        for name in (*_BUILDERS, "sparql"):
+        for name in _named(graph, shape, (*_BUILDERS, "sparql")):
             for value in reader.values(shape, name):
                 triple = (shape, NamedNode(SH + name), value)
                 try:
@@ -150,19 +157,24 @@ def _failing(graph: Graph, shapes: Iterable[Term]) -> Iterator[tuple[ShapeFault,
 
 def _unknown(graph: Graph) -> Iterator[tuple[ShapeFault, Triple3]]:
     """Each term of the SHACL namespace that SHACL does not have."""
-    for one in graph:
-        subject, predicate, value = cast("Triple3", (one.subject, one.predicate, one.object))
-        for term in (predicate, value):
-            if not isinstance(term, NamedNode) or not term.value.startswith(SH):
-                continue
-            name = term.value.removeprefix(SH)
-            if name and name not in TERMS[SH]:
-                said = f"`sh:{name}` is no term of its vocabulary"
-                hint = f"{_near(name)}"
-                culprit = value if term == value else None
-                parameter = predicate.value.removeprefix(SH)
-                fault = ShapeFault(said, subject, parameter, culprit, code="VOC011", hint=hint)
-                yield fault, (subject, predicate, value)
+    for predicate in graph.properties:
+        odd = _is_unknown(predicate)
+        for subject, values in graph.holders(predicate).items():
+            for value in values:
+                if odd:
+                    yield _misspelt(subject, predicate, None), (subject, predicate, value)
+                if _is_unknown(value):
+                    yield _misspelt(subject, predicate, value), (subject, predicate, value)
+
+
+def _is_unknown(term: Term) -> bool:
+    return isinstance(term, NamedNode) and term.value.startswith(SH) and term.value[len(SH) :] not in _KNOWN
+
+
+def _misspelt(subject: Term, predicate: NamedNode, value: Term | None) -> ShapeFault:
+    name = text_of(predicate if value is None else value).removeprefix(SH)
+    said = f"`sh:{name}` is no term of its vocabulary"
+    return ShapeFault(said, subject, predicate.value.removeprefix(SH), value, code="VOC011", hint=_near(name))
 
 
 def _near(name: str) -> str:

@@ -23,6 +23,7 @@ __all__ = [
     "boolean",
     "double",
     "integer",
+    "namespace_of",
     "node",
     "prologue",
     "shorten",
@@ -104,6 +105,11 @@ def double(value: float) -> Literal:
 def prologue() -> str:
     """SPARQL ``PREFIX`` lines for every namespace that the project uses."""
     return "".join(f"PREFIX {prefix}: <{iri}>\n" for prefix, iri in PREFIXES.items())
+
+
+def namespace_of(iri: str) -> str:
+    """An IRI up to its last ``#`` or ``/``."""
+    return iri[: max(iri.rfind("#"), iri.rfind("/")) + 1]
 
 
 def shorten(iri: str) -> str:

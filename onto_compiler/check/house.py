@@ -7,7 +7,6 @@ our style is not reported for other terms, unless the settings select its code.
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -18,10 +17,10 @@ from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model
-from onto_compiler.check.vocabularies import TERMS
 from onto_compiler.problems import Problem
-from onto_compiler.rdf import BASE, PREFIXES, RDFS
+from onto_compiler.rdf import BASE, PREFIXES, RDFS, namespace_of
 from onto_compiler.reasoning.axioms import TYPE, owl
+from onto_compiler.vocabularies import TERMS
 
 __all__ = ["House"]
 
@@ -59,7 +58,6 @@ STYLE = frozenset(
 ADVICE = frozenset(["OWL003", "OWL012", "OWL013", "OWL014", "OWL015", "TTL007"])
 """Information, of terms of others: worth knowing, and no fault."""
 _NAMES = {"VOC001": "object", "VOC002": "predicate", "RUL005": "term"}
-_NAMESPACE = re.compile(r"^.*[#/]")
 _IMPORTS, _DEFINED, _DEPRECATED = owl("imports"), NamedNode(RDFS + "isDefinedBy"), owl("deprecated")
 _SHARED = frozenset((*TERMS, *PREFIXES.values()))
 _KINDS = frozenset(
@@ -134,7 +132,7 @@ class House:
         for graph in self.files:
             header = bool(self._headers(graph))
             about = self.model.store.quads_for_pattern(None, _DEFINED if header else TYPE, None, graph)
-            found |= {_namespace(quad.subject.value) for quad in about if isinstance(quad.subject, NamedNode)}
+            found |= {namespace_of(quad.subject.value) for quad in about if isinstance(quad.subject, NamedNode)}
         return (BASE, *self.named, *sorted(found - _SHARED - {""}))
 
     def _imports(self, header: NamedNode) -> set[NamedNode]:
@@ -171,7 +169,7 @@ class House:
         term = finding.values.get(_NAMES[finding.code])
         if not isinstance(term, NamedNode):
             return False
-        namespace = _namespace(term.value)
+        namespace = namespace_of(term.value)
         if namespace in _SHARED and not namespace.startswith(BASE):
             return True
         if self._owns(term.value):
@@ -185,7 +183,7 @@ class House:
         for graph in self.model.graphs:
             kinds = (self.model.store.quads_for_pattern(None, TYPE, kind, graph) for kind in _KINDS)
             terms = {quad.subject.value for quads in kinds for quad in quads if isinstance(quad.subject, NamedNode)}
-            found.update(namespace for namespace, _ in Counter(map(_namespace, sorted(terms))).most_common(1))
+            found.update(namespace for namespace, _ in Counter(map(namespace_of, sorted(terms))).most_common(1))
         return frozenset(found)
 
     @cached_property
@@ -195,8 +193,3 @@ class House:
         here = self.model.graph.subjects(TYPE, owl("Ontology"))
         named = (one.value for one in imported if isinstance(one, NamedNode) and one not in here)
         return frozenset(urlsplit(iri).netloc for iri in named)
-
-
-def _namespace(iri: str) -> str:
-    match = _NAMESPACE.match(iri)
-    return match[0] if match else ""

@@ -11,12 +11,12 @@ from pyoxigraph import Literal, NamedNode, Triple
 
 from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model
-from onto_compiler.rdf import BASE, OWL, RDF, RDFS, SH
+from onto_compiler.rdf import BASE, OWL, RDF, RDFS, SH, namespace_of
 from onto_compiler.shacl.graph import Graph
 from onto_compiler.shacl.model import ShapeFault
 from onto_compiler.shacl.reader import Reader
 from onto_compiler.sources import load_store
-from onto_compiler.sparql_faults.undeclared import StoreVocabulary, namespace_of, undeclared
+from onto_compiler.sparql_faults.undeclared import StoreVocabulary, undeclared
 
 __all__ = ["QUERIES", "check_query_terms", "undeclared_in_queries"]
 

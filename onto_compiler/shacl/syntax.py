@@ -75,10 +75,6 @@ def _is_text(_: Graph, term: Term) -> bool:
     return isinstance(term, Literal) and (term.language is not None or _typed(term, "string"))
 
 
-def _is_literal(_: Graph, term: Term) -> bool:
-    return isinstance(term, Literal)
-
-
 def _is_bound(_: Graph, term: Term) -> bool:
     return isinstance(term, Literal) and is_well_formed(term)
 

@@ -6,8 +6,6 @@ from collections.abc import Iterable, Iterator
 
 from pyoxigraph import BlankNode, NamedNode
 
-from onto_compiler.check.vocabularies import TERMS
-from onto_compiler.problems import near
 from onto_compiler.rdf import RDF, SH
 from onto_compiler.shacl.components import COMPONENTS
 from onto_compiler.shacl.declarations import declaration_faults
@@ -18,7 +16,8 @@ from onto_compiler.shacl.paths import read_path
 from onto_compiler.shacl.reader import Parameter, Reader
 from onto_compiler.shacl.sparql import sparql_check
 from onto_compiler.shacl.syntax import PARAMETERS, Triple3, broken, is_shape, query_faults
-from onto_compiler.terms import text_of
+from onto_compiler.terms import show
+from onto_compiler.vocabularies import meant
 
 __all__ = ["misspelt", "sound_part"]
 
@@ -28,7 +27,6 @@ _NODE_SHAPE, _PROPERTY_SHAPE = NamedNode(SH + "NodeShape"), NamedNode(SH + "Prop
 _REFERENCES = ("node", "not", "property", "qualifiedValueShape", "and", "or", "xone", "condition", "rule")
 _NO_SHAPE = {"message", "path", "severity", "deactivated", "sparql", "flags"}  # others have these too
 _BUILDERS = {**COMPONENTS, **SHAPE_COMPONENTS}
-_KNOWN = TERMS[SH] | {""}
 
 
 def sound_part(graph: Graph, faults: list[ShapeFault]) -> Graph:
@@ -158,31 +156,23 @@ def _failing(graph: Graph, shapes: Iterable[Term]) -> Iterator[tuple[ShapeFault,
 def _unknown(graph: Graph) -> Iterator[tuple[ShapeFault, Triple3]]:
     """Each term of the SHACL namespace that SHACL does not have."""
     for predicate in graph.properties:
-        odd = _is_unknown(predicate)
+        odd = _meant(predicate)
         for subject, values in graph.holders(predicate).items():
             for value in values:
-                if odd:
-                    yield _misspelt(subject, predicate, None), (subject, predicate, value)
-                if _is_unknown(value):
-                    yield _misspelt(subject, predicate, value), (subject, predicate, value)
+                if odd is not None:
+                    yield _misspelt(predicate, odd, subject, predicate), (subject, predicate, value)
+                if (hint := _meant(value)) is not None:
+                    yield _misspelt(value, hint, subject, predicate, value), (subject, predicate, value)
 
 
-def _is_unknown(term: Term) -> bool:
-    return isinstance(term, NamedNode) and term.value.startswith(SH) and term.value[len(SH) :] not in _KNOWN
+def _meant(term: Term) -> str | None:
+    """What to write instead of a term of the SHACL namespace that SHACL does not have; None for any other."""
+    return meant(term.value) if isinstance(term, NamedNode) and term.value.startswith(SH) else None
 
 
-def _misspelt(subject: Term, predicate: NamedNode, value: Term | None) -> ShapeFault:
-    name = text_of(predicate if value is None else value).removeprefix(SH)
-    said = f"`sh:{name}` is no term of its vocabulary"
-    return ShapeFault(said, subject, predicate.value.removeprefix(SH), value, code="VOC011", hint=_near(name))
-
-
-def _near(name: str) -> str:
-    same = {known.lower(): known for known in TERMS[SH]}.get(name.lower())
-    question = (
-        f"did you mean `sh:{same}`?" if same else near(f"sh:{name}", (f"sh:{known}" for known in sorted(TERMS[SH])))
-    )
-    return question or "write a term that SHACL has."
+def _misspelt(term: Term, hint: str, subject: Term, predicate: NamedNode, value: Term | None = None) -> ShapeFault:
+    said = f"`{show(term)}` is no term of its vocabulary"
+    return ShapeFault(said, subject, predicate.value.removeprefix(SH), value, code="VOC011", hint=hint)
 
 
 def _fault(message: str, shape: Term, name: str, value: Term | None = None) -> ShapeFault:

@@ -11,17 +11,16 @@ from typing import Protocol
 
 from pyoxigraph import NamedNode, Store
 
-from onto_compiler.check.terms import meant
-from onto_compiler.rdf import OWL, RDF, RDFS
+from onto_compiler.rdf import OWL, RDF, RDFS, namespace_of
 from onto_compiler.sparql_faults.fault import Fault, fault_at
 from onto_compiler.terms import show
 from onto_compiler.turtle.tokens import Token, tokens
+from onto_compiler.vocabularies import meant
 
-__all__ = ["StoreVocabulary", "Vocabulary", "namespace_of", "undeclared"]
+__all__ = ["StoreVocabulary", "Vocabulary", "undeclared"]
 
 _NAME = re.compile(r"(?<![\w?$])([^\W\d_][\w.\-]*)?:([\w%\\:][\w.\-%\\:]*)?|<([^<>\"{}|^`\\\s]+)>")
 _ELSEWHERE = 0.8  # how similar a name of another namespace must be
-_LOCAL = re.compile(r"[^#/]*$")
 _DEFINED_BY, _TYPE = NamedNode(RDFS + "isDefinedBy"), NamedNode(RDF + "type")
 
 
@@ -69,11 +68,6 @@ class StoreVocabulary:
     @cached_property
     def _namespaces(self) -> set[str]:
         return set(map(namespace_of, self._declared))
-
-
-def namespace_of(iri: str) -> str:
-    """An IRI up to its last ``#`` or ``/``."""
-    return _LOCAL.sub("", iri, count=1)
 
 
 def undeclared(query: str, prefixes: Mapping[str, str], vocabulary: Vocabulary) -> Iterator[tuple[str, Fault]]:

@@ -3,8 +3,7 @@
 import pytest
 from rdflib import namespace
 
-from onto_compiler.check.terms import meant
-from onto_compiler.check.vocabularies import TERMS
+from onto_compiler.vocabularies import TERMS, meant
 
 RDFLIB = (
     namespace.DCTERMS,

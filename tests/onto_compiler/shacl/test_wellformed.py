@@ -2,7 +2,6 @@
 
 import pytest
 
-from onto_compiler.check.vocabularies import TERMS
 from onto_compiler.rdf import SH
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
@@ -11,6 +10,7 @@ from onto_compiler.shacl.rules import infer
 from onto_compiler.shacl.syntax import PARAMETERS
 from onto_compiler.shacl.validate import validate_graph
 from onto_compiler.shacl.wellformed import misspelt, sound_part
+from onto_compiler.vocabularies import TERMS
 from tests.onto_compiler.shacl.test_engines import EX, PREFIXES, graph_of
 
 NODE, PROPERTY = "ex:S a sh:NodeShape ; {} .", "ex:S sh:property [ sh:path ex:p ; {} ] ."

@@ -5,11 +5,15 @@ Sources: the vocabularies' own files; of SHACL, the Recommendation, the Advanced
 
 from __future__ import annotations
 
+import re
 from typing import Final
 
-from onto_compiler.rdf import OWL, PREFIXES, PROV, RDF, RDFS, SH, SKOS, XSD
+from onto_compiler.problems import near
+from onto_compiler.rdf import OWL, PREFIXES, PROV, RDF, RDFS, SH, SKOS, XSD, namespace_of, shorten
 
-__all__ = ["TERMS"]
+__all__ = ["TERMS", "meant"]
+
+_ITEM = re.compile(r"_[1-9][0-9]*")  # rdf:_1, rdf:_2 and so on are terms without end
 
 _DCTERMS = """
 Agent AgentClass BibliographicResource Box DCMIType DDC FileFormat Frequency IMT ISO3166 ISO639-2 ISO639-3
@@ -142,3 +146,16 @@ TERMS: Final = {
     )
 }
 """Local names by namespace."""
+
+
+def meant(iri: str) -> str | None:
+    """What to write instead of ``iri``, where it claims to be a term of :data:`TERMS`; None for any other."""
+    namespace = namespace_of(iri)
+    names = TERMS.get(namespace)
+    name = iri[len(namespace) :]
+    if names is None or not name or name in names or (namespace == RDF and _ITEM.fullmatch(name)):
+        return None
+    same = next((one for one in names if one.lower() == name.lower()), None)
+    question = f"did you mean `{same}`?" if same else near(name, sorted(names))
+    whole = question.replace("`", f"`{shorten(namespace + 'x')[:-1]}", 1)
+    return whole or "look the name up in that vocabulary, or mint a term in a namespace of your own"

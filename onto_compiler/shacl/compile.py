@@ -12,7 +12,7 @@ from onto_compiler.shacl.expressions import expression_checks
 from onto_compiler.shacl.functions import declared_functions
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.logic import SHAPE_COMPONENTS
-from onto_compiler.shacl.model import Check, Shape, ShapeFault, Shapes, Target
+from onto_compiler.shacl.model import Check, Shape, ShapeFault, Shapes, Target, noting
 from onto_compiler.shacl.paths import Path, read_path
 from onto_compiler.shacl.prebinding import read_query
 from onto_compiler.shacl.reader import Parameter, Reader, local
@@ -20,7 +20,7 @@ from onto_compiler.shacl.sparql import Component, components, custom_checks, spa
 from onto_compiler.shacl.wellformed import sound_part
 from onto_compiler.terms import text_of
 
-__all__ = ["Compiler", "compile_graph", "note"]
+__all__ = ["Compiler", "compile_graph"]
 
 _BUILDERS = {**COMPONENTS, **SHAPE_COMPONENTS}
 _TARGETS = {
@@ -158,12 +158,6 @@ def _candidates(graph: Graph) -> list[Term]:
     return sorted(found, key=str)
 
 
-def note(fault: ShapeFault, faults: list[ShapeFault]) -> None:
-    """Append a fault, once."""
-    if not any(fault.same(other) for other in faults):
-        faults.append(fault)
-
-
 def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shapes:
     """Every shape of ``graph`` that has a target. What is ill-formed is left out and appended to ``faults``.
 
@@ -177,20 +171,14 @@ def compile_graph(graph: Graph, faults: list[ShapeFault] | None = None) -> Shape
         graph = sound_part(graph, faults)
     compiler = Compiler(graph)
     for refused in compiler.reader.refused():
-        if faults is None:
+        with noting(faults):
             raise refused
-        note(refused, faults)
     roots = []
     for node in _candidates(graph):
-        try:
+        with noting(faults):
             if isinstance(node, Literal) or not any(True for _ in compiler.targets(node)):
                 continue
             shape = compiler.shape(node)
-        except ShapeFault as fault:
-            if faults is None:
-                raise
-            note(fault, faults)
-        else:
             if not shape.deactivated:
                 roots.append(shape)
     return Shapes(tuple(roots), compiler.known, graph, declared_functions(compiler.reader, faults))

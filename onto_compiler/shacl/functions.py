@@ -9,7 +9,7 @@ from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.rdf import SH, boolean
 from onto_compiler.shacl.graph import Graph, Term
-from onto_compiler.shacl.model import ShapeFault
+from onto_compiler.shacl.model import ShapeFault, noting
 from onto_compiler.shacl.prebinding import Query, ask, read_query
 from onto_compiler.shacl.reader import Reader
 from onto_compiler.terms import show, text_of
@@ -38,15 +38,10 @@ def declared_functions(reader: Reader, faults: list[ShapeFault] | None = None) -
     """
     found = Functions()
     for one in reader.graph.instances(NamedNode(SH + "SPARQLFunction")):
-        try:
+        body = None
+        with noting(faults):
             what = f"the function {show(one)}"
             body = reader.query(one, "select", what=what) or reader.query(one, "ask", what=what)
-        except ShapeFault as fault:
-            if faults is None:
-                raise
-            if not any(fault.same(other) for other in faults):
-                faults.append(fault)
-            continue
         if not isinstance(one, NamedNode) or body is None:
             continue
         names = [name for _, name in sorted(_parameters(reader, one))]

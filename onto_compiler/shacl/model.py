@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
@@ -29,6 +30,8 @@ __all__ = [
     "Shapes",
     "Target",
     "Whole",
+    "note",
+    "noting",
 ]
 
 
@@ -81,6 +84,23 @@ class ShapeFault(OntoError):  # noqa: N818 - a fault in a shape, as OntoError on
     def __reduce__(self) -> tuple[type[OntoError], tuple[Problem, ...]]:
         """Pickle as the plain error: RDF terms stay in their process."""
         return (OntoError, self.problems)
+
+
+def note(fault: ShapeFault, faults: list[ShapeFault]) -> None:
+    """Append a fault, once."""
+    if not any(fault.same(other) for other in faults):
+        faults.append(fault)
+
+
+@contextmanager
+def noting(faults: list[ShapeFault] | None) -> Iterator[None]:
+    """Let ``faults`` take the fault of a part that cannot run, which is then left out; without a list it is raised."""
+    try:
+        yield
+    except ShapeFault as fault:
+        if faults is None:
+            raise
+        note(fault, faults)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,12 +12,12 @@ from itertools import product
 from pyoxigraph import Literal, NamedNode, Triple
 
 from onto_compiler.rdf import RDF, SH
-from onto_compiler.shacl.compile import Compiler, note
+from onto_compiler.shacl.compile import Compiler
 from onto_compiler.shacl.declarations import rule_faults
 from onto_compiler.shacl.expressions import Expression, read_expression
 from onto_compiler.shacl.functions import declared_functions
 from onto_compiler.shacl.graph import Graph, Term
-from onto_compiler.shacl.model import Run, ShapeFault, Shapes, Target
+from onto_compiler.shacl.model import Run, ShapeFault, Shapes, Target, note, noting
 from onto_compiler.shacl.prebinding import ask, read_query
 from onto_compiler.shacl.reader import Reader
 from onto_compiler.shacl.validate import Validation, focus_nodes
@@ -75,12 +75,8 @@ class RuleBase:
         run = Validation(data, self.shapes)
         found: list[Triple] = []
         for rule in self.rules:
-            try:
+            with noting(faults):
                 found += _conclusions(run, rule, allowed)
-            except ShapeFault as fault:
-                if faults is None:
-                    raise
-                note(fault, faults)
         return found
 
 
@@ -111,12 +107,8 @@ def read_rule_base(graph: Graph, faults: list[ShapeFault] | None = None) -> Rule
         if compiler.reader.is_true(shape, "deactivated"):
             continue
         for node in compiler.reader.values(shape, "rule"):
-            try:
+            with noting(faults):
                 rules += _active(compiler, shape, node)
-            except ShapeFault as fault:
-                if faults is None:
-                    raise
-                note(fault, faults)
     rules.sort(key=lambda rule: (rule.order, str(rule.iri)))
     return RuleBase(tuple(rules), Shapes((), compiler.known, graph, declared_functions(compiler.reader, faults)))
 

@@ -30,9 +30,10 @@ from onto_compiler.shacl.syntax import (
 )
 from onto_compiler.terms import show, text_of
 
-__all__ = ["declaration_faults", "rule_faults"]
+__all__ = ["NO_RULE", "declaration_faults", "rule_faults", "rule_kind"]
 
-_TYPE, _RULES = NamedNode(RDF + "type"), NamedNode(SH + "Rules")
+NO_RULE = "a sh:rule is neither a sh:TripleRule nor a sh:SPARQLRule"
+_TYPE, _RULES, _JS_RULE = NamedNode(RDF + "type"), NamedNode(SH + "Rules"), NamedNode(SH + "JSRule")
 _FORMS = {"ask": "ASK", "construct": "CONSTRUCT", "select": "SELECT"}
 _OTHERS = (
     *("js", "values", "singleLine", "subsetOf", "someValue", "memberShape", "minListLength", "maxListLength"),
@@ -173,13 +174,19 @@ def _target(reader: Reader, shape: Term, target: Term) -> Found:
         yield fault, triple
 
 
-def _rule(reader: Reader, shape: Term, rule: Term) -> Iterator[ShapeFault]:
+def rule_kind(reader: Reader, rule: Term) -> str:
+    """``SPARQLRule`` or ``TripleRule``, as the rule says or as its parts do; empty where it is neither."""
     kinds = {text_of(kind).removeprefix(SH) for kind in reader.values(rule, _TYPE)}
+    parts = {"SPARQLRule": "construct", "TripleRule": "subject"}
+    return next((kind for kind, part in parts.items() if kind in kinds or reader.values(rule, part)), "")
+
+
+def _rule(reader: Reader, shape: Term, rule: Term) -> Iterator[ShapeFault]:
     if isinstance(rule, (Literal, Triple)):
         yield ShapeFault("the value of sh:rule must be a node that is described", shape, "rule", rule)
-    elif "JSRule" in kinds:
+    elif _JS_RULE in reader.values(rule, _TYPE):
         yield ShapeFault("a sh:JSRule is JavaScript, which is not run", shape, "rule", rule)
-    elif "SPARQLRule" in kinds or reader.values(rule, "construct"):
+    elif (kind := rule_kind(reader, rule)) == "SPARQLRule":
         yield from _by_table(reader, rule, "a sh:SPARQLRule", _SPARQL_RULE)
         try:
             reader.query(rule, "construct", what="the rule")
@@ -189,10 +196,10 @@ def _rule(reader: Reader, shape: Term, rule: Term) -> Iterator[ShapeFault]:
         if form not in {"CONSTRUCT", ""}:
             said = f"sh:construct holds a query of the form {form}, not CONSTRUCT"
             yield ShapeFault(said, rule, "construct", reader.one(rule, "construct"))
-    elif "TripleRule" in kinds or reader.values(rule, "subject"):
+    elif kind == "TripleRule":
         yield from _by_table(reader, rule, "a sh:TripleRule", _TRIPLE_RULE)
     else:
-        yield ShapeFault("a sh:rule is neither a sh:TripleRule nor a sh:SPARQLRule", shape, "rule", rule)
+        yield ShapeFault(NO_RULE, shape, "rule", rule)
 
 
 def _not_run(reader: Reader) -> Found:

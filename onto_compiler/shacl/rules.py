@@ -13,7 +13,7 @@ from pyoxigraph import Literal, NamedNode, Triple
 
 from onto_compiler.rdf import RDF, SH
 from onto_compiler.shacl.compile import Compiler
-from onto_compiler.shacl.declarations import rule_faults
+from onto_compiler.shacl.declarations import NO_RULE, rule_faults, rule_kind
 from onto_compiler.shacl.expressions import Expression, read_expression
 from onto_compiler.shacl.functions import declared_functions
 from onto_compiler.shacl.graph import Graph, Term
@@ -21,7 +21,6 @@ from onto_compiler.shacl.model import Run, ShapeFault, Shapes, Target, note, not
 from onto_compiler.shacl.prebinding import ask, read_query
 from onto_compiler.shacl.reader import Reader
 from onto_compiler.shacl.validate import Validation, focus_nodes
-from onto_compiler.terms import text_of
 
 __all__ = ["GraphRule", "RuleBase", "infer", "read_rule_base"]
 
@@ -139,15 +138,14 @@ def _active(compiler: Compiler, shape: Term, node: Term) -> list[GraphRule]:
 def _rule(compiler: Compiler, shape: Term, node: Term, targets: tuple[Target, ...]) -> GraphRule:
     reader = Reader(compiler.reader.graph)
     conditions = tuple(reader.shape(condition) for condition in reader.values(node, "condition"))
-    kinds = {text_of(kind).removeprefix(SH) for kind in reader.values(node, NamedNode(RDF + "type"))}
-    text = ""
-    if "SPARQLRule" in kinds or reader.values(node, "construct"):
+    kind, text = rule_kind(reader, node), ""
+    if kind == "SPARQLRule":
         text = _construct(reader, shape, node)
         conclude = _constructing(text, shape, node)
-    elif "TripleRule" in kinds or reader.values(node, "subject"):
+    elif kind == "TripleRule":
         conclude = _stating(reader, shape, node)
     else:
-        raise ShapeFault("a sh:rule is neither a sh:TripleRule nor a sh:SPARQLRule", shape, "rule", node)
+        raise ShapeFault(NO_RULE, shape, "rule", node)
     for needed in reader.wanted:
         compiler.shape(needed)
     return GraphRule(node, (_order(reader, shape), _order(reader, node)), targets, conditions, conclude, text)

@@ -69,7 +69,7 @@ class _GraphVocabulary:
             return self._ours.knows(iri)
         if namespace not in self._namespaces and not self._resembles(iri):
             return True
-        return any(triple.object == term for graph in self.graphs for triple in graph)
+        return any(True for graph in self.graphs for _ in graph.pointing(term))
 
     def declared(self) -> Iterable[str]:
         """The terms that are declared or used, and those of the shipped ontology once they were asked for."""

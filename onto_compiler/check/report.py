@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections import deque
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -45,9 +46,9 @@ def write_report(path: Path, validation: Validated) -> None:
 def _without_triple_terms(triples: Iterable[Triple]) -> Iterator[Triple]:
     """JSON-LD 1.1 has no triple terms: each becomes an ``rdf:Statement``, as RDF 1.1 speaks of triples."""
     nodes: dict[Triple, BlankNode] = {}
-    todo = list(triples)
+    todo = deque(triples)
     while todo:
-        one = todo.pop(0)
+        one = todo.popleft()
         if not isinstance(one.object, Triple):
             yield one
             continue

@@ -38,9 +38,10 @@ class LexicalStore:
     def extend(self, quads: Iterable[Quad]) -> None:
         """Add statements."""
         found = list(quads)
-        if respelled({quad.object for quad in found}):
+        objects = {quad.object for quad in found}
+        if respelled(objects):
             self.marked = True
-            known = {value: mark(value) for value in {quad.object for quad in found}}
+            known = {term: mark(term) for term in objects}
             found = [Quad(one.subject, one.predicate, known[one.object], one.graph_name) for one in found]
         self.store.bulk_extend(found)
 

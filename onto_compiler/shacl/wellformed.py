@@ -96,16 +96,18 @@ def _resting_on(graph: Graph, unsound: set[Term], pathless: set[Term]) -> set[Tr
 
     The sound constraints of a property shape run, unless its path is unsound: it is then one of ``pathless``.
     """
-    references, found = list(_references(graph)), set[Triple3]()
-    grows = True
-    while grows:
-        before = len(unsound)
-        for triple, name, shape in references:
-            if shape in unsound:
-                unsound.add(triple[0])
-                if name != "property" or shape in pathless:
-                    found.add(triple)
-        grows = len(unsound) > before
+    references: dict[Term, list[tuple[Triple3, str]]] = {}
+    for triple, name, shape in _references(graph):
+        references.setdefault(shape, []).append((triple, name))
+    found, seen, todo = set[Triple3](), set(unsound), list(unsound)
+    while todo:
+        shape = todo.pop()
+        for triple, name in references.get(shape, ()):
+            if name != "property" or shape in pathless:
+                found.add(triple)
+            if triple[0] not in seen:
+                seen.add(triple[0])
+                todo.append(triple[0])
     return found
 
 

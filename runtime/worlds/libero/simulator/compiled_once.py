@@ -61,9 +61,11 @@ def without_textures() -> Iterator[None]:
         _BARE.reset(token)
 
 
-def with_textures(xml: str, model: mujoco.MjModel, compiler: Compiler | None = None) -> mujoco.MjModel:
+def with_textures(
+    xml: str, model: mujoco.MjModel, compiler: Compiler = mujoco.MjModel.from_xml_string
+) -> mujoco.MjModel:
     """Another model of ``xml`` with its textures, and with what LIBERO has written into ``model``."""
-    whole = (compiler or mujoco.MjModel.from_xml_string)(xml)
+    whole = compiler(xml)
     for name in _WRITTEN:
         getattr(whole, name)[:] = getattr(model, name)
     return whole

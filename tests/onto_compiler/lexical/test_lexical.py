@@ -2,6 +2,7 @@
 
 import random
 from contextlib import contextmanager
+from itertools import filterfalse
 
 import pytest
 import rdflib
@@ -258,6 +259,22 @@ def normal(term):
     return next(iter(store)).object
 
 
+def adds_a_duration(row):
+    """Whether a row may add a duration to a date.
+
+    Oxigraph sorts what a `+` adds (`?a + ?b` and `?b + ?a` are one to it), and knows such a sum in one order alone.
+    """
+    kinds = {term.datatype.value.removeprefix(XSD) for term in row[:2] if isinstance(term, Literal)}
+    return "dayTimeDuration" in kinds and not kinds.isdisjoint({"date", "dateTime"})
+
+
+def test_oxigraph_adds_a_duration_to_a_date_in_one_order_alone():
+    values = '"2020-01-01"^^xsd:date "PT60S"^^xsd:dayTimeDuration'
+    text = PROLOGUE + "SELECT (?{0} + ?{1} AS ?r) {{ VALUES (?{0} ?{1}) {{ (" + values + ") }} }}"
+    found = [next(iter(Store().query(text.format(*names))))["r"] for names in ("ab", "ba")]
+    assert [one is None for one in found] == [False, True]
+
+
 BY_VALUE = expressions("ABS isNumeric COALESCE isLiteral YEAR xsd:integer CEIL SECONDS isIRI")
 
 
@@ -267,7 +284,10 @@ def test_spelling_changes_no_value(expression, where):
     """What computes with values answers as Oxigraph does of the same values in its own spelling."""
     text = PROLOGUE + f"SELECT ?v ?w ?r {{ ?s <urn:p> ?v , ?w {where.format(expression)} }}"
     ours = {tuple(map(normal, row)) for row in SPELT.ask(text).rows}
-    assert ours == {tuple(row) for row in NORMAL.query(text)}
+    theirs = {tuple(row) for row in NORMAL.query(text)}
+    if "+" in expression:
+        ours, theirs = (set(filterfalse(adds_a_duration, rows)) for rows in (ours, theirs))
+    assert ours == theirs
 
 
 @pytest.mark.parametrize("order", ["?v", "DESC(?v)"])

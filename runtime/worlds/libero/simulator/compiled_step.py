@@ -146,6 +146,10 @@ def _mass_index(model: mujoco.MjModel, dofs: NDArray[np.int32]) -> NDArray[np.in
 
 def _work(model: mujoco.MjModel) -> Work:
     return Work(
+        action=np.zeros(7),
+        turn=np.zeros(3),
+        quaternion=np.zeros(4, dtype=np.float32),
+        rotation=np.zeros((3, 3)),
         site=np.zeros((2, 3, model.nv)),
         factor=np.zeros((7, 7)),
         spread=np.zeros((7, 6)),

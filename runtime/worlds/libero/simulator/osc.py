@@ -65,8 +65,12 @@ class Arm(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Scratch arrays of a substep."""
+    """Scratch arrays of a step."""
 
+    action: Floats  # (7,) clipped
+    turn: Floats  # (3,) rotation vector of the action
+    quaternion: NDArray[np.float32]  # (4,) of the turn
+    rotation: Floats  # (3, 3) of the turn
     site: Floats  # (2, 3, nv) Jacobian of the grip site, every joint's
     factor: Floats  # (7, 7)
     spread: Floats  # (7, 6)
@@ -96,31 +100,40 @@ class Control(NamedTuple):
 
 
 @compiled
-def rotation(vector: Floats) -> Floats:
-    """Matrix of a rotation vector (3,), in the single precision of robosuite's ``quat2mat``."""
+def rotation(vector: Floats, quaternion: NDArray[np.float32], out: Floats) -> None:
+    """Matrix (3, 3) of a rotation vector (3,), in the single precision of robosuite's ``quat2mat``.
+
+    ``quaternion`` (4,) is scratch. Here as everywhere in this module, arrays are given and not made, and written
+    element by element: numba compiles that in half the time.
+    """
     angle = np.linalg.norm(vector)
-    q = np.zeros(4, dtype=np.float32)
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = 1.0 if i == j else 0.0
     if angle == 0.0:
-        return np.eye(3)
-    q[0] = np.cos(angle / 2.0)
-    q[1:] = vector / angle * np.sin(angle / 2.0)
-    n = np.dot(q, q)
+        return
+    quaternion[0] = np.cos(angle / 2.0)
+    for i in range(3):
+        quaternion[1 + i] = vector[i] / angle * np.sin(angle / 2.0)
+    n = np.dot(quaternion, quaternion)
     if n < QUATERNION_EPS:
-        return np.eye(3)
-    q *= math.sqrt(2.0 / n)
-    p = np.outer(q, q)
-    out = np.empty((3, 3))
-    out[0, 0], out[0, 1], out[0, 2] = 1.0 - p[2, 2] - p[3, 3], p[1, 2] - p[3, 0], p[1, 3] + p[2, 0]
-    out[1, 0], out[1, 1], out[1, 2] = p[1, 2] + p[3, 0], 1.0 - p[1, 1] - p[3, 3], p[2, 3] - p[1, 0]
-    out[2, 0], out[2, 1], out[2, 2] = p[1, 3] - p[2, 0], p[2, 3] + p[1, 0], 1.0 - p[1, 1] - p[2, 2]
-    return out
+        return
+    scale = math.sqrt(2.0 / n)
+    for i in range(4):
+        quaternion[i] *= scale
+    w, x, y, z = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
+    out[0, 0], out[0, 1], out[0, 2] = 1.0 - y * y - z * z, x * y - z * w, x * z + y * w
+    out[1, 0], out[1, 1], out[1, 2] = x * y + z * w, 1.0 - x * x - z * z, y * z - x * w
+    out[2, 0], out[2, 1], out[2, 2] = x * z - y * w, y * z + x * w, 1.0 - x * x - y * y
 
 
 @compiled
 def _read(at: Addresses, arm: Arm, control: Control, jacobian: Floats) -> None:
     """Copy pose, velocity, Jacobian and mass matrix of the arm: robosuite's ``Controller.update``."""
-    control.ee_pos[:] = at.site_pos
-    control.ee_ori[:] = at.site_mat.reshape((3, 3))
+    for i in range(3):
+        control.ee_pos[i] = at.site_pos[i]
+        for j in range(3):
+            control.ee_ori[i, j] = at.site_mat[3 * i + j]
     mj_jac_site(at.model, at.data, jacobian[0].ctypes.data, jacobian[1].ctypes.data, arm.site)
     for row in range(6):
         line = jacobian[row // 3, row % 3]
@@ -136,6 +149,13 @@ def _read(at: Addresses, arm: Arm, control: Control, jacobian: Floats) -> None:
         control.joint_vel[i] = at.qvel[arm.dof[i]]
         for j in range(7):
             control.mass[i, j] = at.mass[arm.mass_index[i, j]]
+
+
+@compiled
+def _copy(source: Floats, out: Floats) -> None:
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            out[i, j] = source[i, j]
 
 
 @compiled
@@ -169,11 +189,15 @@ def _solve(factor: Floats, b: Floats) -> None:
 
 
 @compiled
-def _set_goal(control: Control, action: Floats) -> None:
-    control.goal_pos[:] = control.ee_pos + POSITION_SCALE * action[:3]
-    turn = ROTATION_SCALE * action[3:6]
-    if np.any(turn != 0.0):
-        control.goal_ori[:] = rotation(turn) @ control.ee_ori
+def _set_goal(control: Control, work: Work) -> None:
+    turns = False
+    for i in range(3):
+        control.goal_pos[i] = control.ee_pos[i] + POSITION_SCALE * work.action[i]
+        work.turn[i] = ROTATION_SCALE * work.action[3 + i]
+        turns |= work.turn[i] != 0.0
+    if turns:
+        rotation(work.turn, work.quaternion, work.rotation)
+        np.dot(work.rotation, control.ee_ori, control.goal_ori)
 
 
 @compiled
@@ -209,7 +233,7 @@ def _posture(arm: Arm, control: Control, posture: Floats, null: Floats) -> None:
 def _inertia(control: Control, work: Work) -> None:
     """J M^-1 J^T, the inverse of the operational space inertia: the square of what solves L x = J^T, M being L L^T."""
     factor, spread, inertia = work.factor, work.spread, work.inertia
-    factor[:] = control.mass
+    _copy(control.mass, factor)
     _factor(factor)
     for i in range(7):
         for row in range(6):
@@ -286,7 +310,8 @@ def control_step(
     ``side`` (ngeom,) numbers the geoms of interest, -1 for the others; ``touched`` (k, k) is set where two of them met
     in any substep.
     """
-    clipped = np.minimum(np.maximum(action, -1.0), 1.0)
+    for i in range(7):
+        work.action[i] = min(max(action[i], -1.0), 1.0)
     for substep in range(first, last):
         mj_step1(at.model, at.data)
         if side.size:
@@ -294,8 +319,8 @@ def control_step(
         if substep > 0 or control.fresh[0] != 0.0:
             _read(at, arm, control, work.site)
         if substep == 0:
-            _set_goal(control, clipped)
+            _set_goal(control, work)
         _torques(at, arm, control, work)
-        _apply(at, arm, control, clipped[6])
+        _apply(at, arm, control, work.action[6])
         mj_step2(at.model, at.data)
     control.fresh[0] = 1.0

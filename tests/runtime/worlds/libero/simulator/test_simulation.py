@@ -102,8 +102,10 @@ def test_random_rotations_equal_robosuite_s(scene):
     from runtime.worlds.libero.simulator.osc import rotation
 
     vectors = np.random.default_rng(1).normal(size=(200, 3)) * np.logspace(-9, 0.5, 200)[:, None]
+    quaternion, matrix = np.empty(4, dtype=np.float32), np.empty((3, 3))
     for vector in (*vectors, np.zeros(3)):
-        assert np.array_equal(rotation(vector), quat2mat(axisangle2quat(vector)))
+        rotation(vector, quaternion, matrix)
+        assert np.array_equal(matrix, quat2mat(axisangle2quat(vector)))
 
 
 def test_touches_of_every_substep_are_accumulated(scene, state):

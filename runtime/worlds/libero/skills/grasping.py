@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from grounding.jit import compiled
 from runtime.worlds.libero.skills.frames import Pose, frame
 
 __all__ = ["TIP", "Grasp", "find_grasps"]
@@ -41,7 +41,7 @@ class Grasp:
     cost: float
 
 
-@njit(cache=True)
+@compiled
 def _hits(points: Array, x0: float, y0: float, tip: float) -> bool:
     """Whether any point lies in a finger or in the hand."""
     for i in range(points.shape[0]):
@@ -56,7 +56,7 @@ def _hits(points: Array, x0: float, y0: float, tip: float) -> bool:
     return False
 
 
-@njit(cache=True)
+@compiled
 def _between(points: Array, x0: float, y0: float, tip: float) -> bool:
     """Whether any point lies where the fingers will close."""
     for i in range(points.shape[0]):
@@ -66,7 +66,7 @@ def _between(points: Array, x0: float, y0: float, tip: float) -> bool:
     return False
 
 
-@njit(cache=True)
+@compiled
 def _pad(points: Array, x0: float, y0: float, tip: float) -> tuple[int, float, float]:
     """How many points lie between the pads, and the least and largest of their x."""
     count, low, high = 0, np.inf, -np.inf
@@ -80,7 +80,7 @@ def _pad(points: Array, x0: float, y0: float, tip: float) -> tuple[int, float, f
     return count, low, high
 
 
-@njit(cache=True)
+@compiled
 def _top(target: Array, x0: float, y0: float) -> float:
     """The first surface that closing pads would meet; infinite if there is none."""
     top = np.inf
@@ -90,7 +90,7 @@ def _top(target: Array, x0: float, y0: float) -> float:
     return top
 
 
-@njit(cache=True)
+@compiled
 def _fits(target: Array, around: Array, x0: float, y0: float, tip: float, row: Array) -> bool:
     """Whether the gripper can close there; ``row`` is then (x, y, tip, width, count), x amid what is held."""
     count, low, high = _pad(target, x0, y0, tip)
@@ -102,7 +102,7 @@ def _fits(target: Array, around: Array, x0: float, y0: float, tip: float, row: A
     return free and not _between(around, centre, y0, tip)
 
 
-@njit(cache=True)
+@compiled
 def _search(target: Array, around: Array, depths: Array, floor: float, out: Array) -> int:
     """Write feasible (x, y, tip, width, count, depth) rows into ``out``; points are in the gripper's axes."""
     found = 0

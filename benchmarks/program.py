@@ -13,7 +13,11 @@ _PROGRAM = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]
 
 
 def onto(*arguments: str, environment: Mapping[str, str] | None = None) -> subprocess.CompletedProcess[str]:
-    """Run ``onto`` with ``arguments`` to its end, with ``environment`` added to ours; its output is text."""
+    """Run ``onto`` with ``arguments`` to its end, with ``environment`` added to ours; its output is text.
+
+    Compiled bytecode is kept, as it is unless a person forbids it: else each run would compile all modules again.
+    """
     command = [sys.executable, "-c", _PROGRAM, *arguments]
-    env = {**os.environ, **(environment or {})}
+    env = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    env |= environment or {}
     return subprocess.run(command, capture_output=True, text=True, check=False, env=env)  # noqa: S603 - our own program

@@ -7,7 +7,9 @@ A name in the list that stands for no test is warned of, so that it cannot go st
 
 from __future__ import annotations
 
+import os
 import resource
+import sys
 import warnings
 from collections import defaultdict
 from functools import cache
@@ -19,6 +21,9 @@ from hypothesis import settings
 LIST = Path(__file__).with_name("slow.txt")
 settings.register_profile("untimed", deadline=None)  # speed is measured in benchmarks, not by tests
 settings.load_profile("untimed")
+# Containers often forbid it, and then each process that a test starts would compile all our modules again.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 LIMIT = 1.0  # seconds of processor time of a function's tests, or of one set-up that others share
 _HEAD = "# Made by `pytest --measure-slow`; see tests/conftest.py. A file stands for all its tests.\n"
 

@@ -121,3 +121,10 @@ def _bytes(path):
     from pathlib import Path
 
     return Path(path).read_bytes()
+
+
+def test_where_it_was_made_a_demonstration_is_replayed_without_drift(collected):
+    from runtime.worlds.libero.demos.replay import replay
+
+    (found,) = replay(collected.path)
+    assert (found.same, found.holds, found.whole, found.drift) == (True, True, True, 0.0)

@@ -25,15 +25,6 @@ def test_every_demonstration_succeeds_natively_at_its_own_step(sample):
         assert one.drift < ELSEWHERE
 
 
-def test_where_it_was_made_a_demonstration_is_replayed_without_drift(collected, order):
-    from runtime.worlds.libero.demos.replay import replay
-
-    del collected
-    (file,) = order.folder.rglob("*.hdf5")
-    (found,) = replay(file)
-    assert (found.same, found.holds, found.whole, found.drift) == (True, True, True, 0.0)
-
-
 def test_a_replay_tells_when_an_action_is_missing_or_the_record_is_wrong(sample, tmp_path):
     from runtime.worlds.libero.demos.replay import replay
 

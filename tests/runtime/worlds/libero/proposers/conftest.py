@@ -97,13 +97,15 @@ class World:
     def __init__(self):
         self.model = mujoco.MjModel.from_xml_string(WORLD)
         self.scene = Scene(self.model)
-        self.data = mujoco.MjData(self.model)
-        mujoco.mj_forward(self.model, self.data)
-        self.settle(200)
-        self.qpos = self.data.qpos.copy()
+        self.qpos = self.settled(self.model.qpos0, 200)
 
-    def settle(self, steps):
-        mujoco.mj_step(self.model, self.data, nstep=steps)
+    def settled(self, qpos, steps):
+        """``qpos`` after ``steps`` simulated steps, from rest."""
+        data = mujoco.MjData(self.model)
+        data.qpos[:] = qpos
+        mujoco.mj_forward(self.model, data)
+        mujoco.mj_step(self.model, data, nstep=steps)
+        return data.qpos
 
     def slide(self, value):
         """The settled state with the drawer elsewhere."""
@@ -136,11 +138,8 @@ class World:
     def held_after(self, proposal, fact, steps=500):
         """Whether ``fact`` holds right after ``proposal`` was written, and still after ``steps`` simulated steps."""
         observe = self.observer((fact,))
-        self.data.qpos[:], self.data.qvel[:] = proposal.qpos, 0.0
-        mujoco.mj_forward(self.model, self.data)
-        now = bool(observe(self.data.qpos).truth[0])
-        self.settle(steps)
-        return now, bool(observe(self.data.qpos).truth[0])
+        then = self.settled(proposal.qpos, steps)
+        return bool(observe(proposal.qpos).truth[0]), bool(observe(then).truth[0])
 
 
 def deepest_new_overlap(model, before, after):
@@ -163,6 +162,7 @@ def deepest_new_overlap(model, before, after):
     return float(np.max(depths[1] - depths[0]))
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def world():
+    """One for all tests, since nothing changes it."""
     return World()

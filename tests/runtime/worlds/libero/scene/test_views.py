@@ -121,17 +121,16 @@ print("nested")
 FLAT = """
 import gymnasium, os
 env = gymnasium.make("runtime.worlds.libero.gym:onto/Libero-v0", task="libero_goal/8", images=True,
-    image_size=24, fast_render=True,
-                     settle=1, render_mode="rgb_array")
+    image_size=24, fast_render=True, cameras=("agentview",), settle=1, render_mode="rgb_array")
 page = os.sysconf("SC_PAGE_SIZE")
 resident = lambda: int(open("/proc/self/statm").read().split()[1]) * page / 2**20
 sizes = []
-for trial in range(200):
+for trial in range(120):
     env.reset(seed=trial)
     env.render()
-    if trial in (40, 199):
+    if trial in (40, 119):
         sizes.append(resident())
-assert sizes[1] - sizes[0] < 8, sizes  # MiB
+assert sizes[1] - sizes[0] < 4, sizes  # MiB, of 79 resets
 print("flat")
 """
 
@@ -157,7 +156,7 @@ def test_rows_come_as_asked_and_a_fast_picture_shows_the_same_scene():
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-def test_two_hundred_resets_with_pictures_need_no_more_memory():
+def test_resets_with_pictures_need_no_more_memory():
     assert lines(FLAT)[0] == ["flat"]
 
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
@@ -31,6 +33,7 @@ Sentence = str | tuple[str | Term | ShapeOf, ...]
 _COMMON = (("rdf", RDF), ("rdfs", RDFS), ("xsd", XSD), ("sh", SH))
 _BARE = frozenset(XSD + name for name in ("boolean", "decimal", "double", "integer"))  # what Turtle writes unquoted
 _STRING = XSD + "string"
+_LOCAL = re.compile(r"[\w:](?:[\w:.-]*[\w:-])?")  # of a name, without what Turtle escapes
 _LONG = 60  # characters of a literal that are shown
 
 
@@ -39,17 +42,20 @@ def text_of(term: Term) -> str:
     return show(term) if isinstance(term, Triple) else term.value
 
 
-def show(term: Term, namespaces: Namespaces = ()) -> str:
-    """A term as Turtle writes it, with ``namespaces``, or else the usual prefixes; a blank node is ``[]``."""
+def show(term: Term, namespaces: Namespaces = (), *, whole: bool = False) -> str:
+    """A term as Turtle writes it, with ``namespaces``, or else the usual prefixes; a blank node is ``[]``.
+
+    A long literal is shown without its middle, unless the ``whole`` is wanted.
+    """
     namespaces = tuple(namespaces)
     match term:
         case NamedNode():
-            return _iri(term.value, (*namespaces, *_COMMON, *PREFIXES.items()))
+            return _iri(term.value, _spaces(namespaces))
         case Literal():
-            return _literal(term, namespaces)
+            return _literal(term, namespaces, whole=whole)
         case Triple():
             parts = (term.subject, term.predicate, term.object)
-            return f"<<( {' '.join(show(part, namespaces) for part in parts)} )>>"
+            return f"<<( {' '.join(show(part, namespaces, whole=whole) for part in parts)} )>>"
         case _:
             return "[]"
 
@@ -62,16 +68,25 @@ def sentence(said: Sentence, name: Callable[[Term], str], shape: Callable[[Term]
     return "".join(parts)
 
 
+@lru_cache(maxsize=64)
+def _spaces(namespaces: tuple[tuple[str, str], ...]) -> tuple[tuple[str, str], ...]:
+    """Every prefix once: a usual one is left out where ``namespaces`` uses its name for something else."""
+    known: dict[str, str] = {}
+    for prefix, namespace in (*namespaces, *_COMMON, *PREFIXES.items()):
+        known.setdefault(prefix, namespace)
+    return tuple(known.items())
+
+
 def _iri(iri: str, namespaces: Iterable[tuple[str, str]]) -> str:
     for prefix, namespace in namespaces:
         local = iri.removeprefix(namespace) if namespace else iri
-        if local and local != iri and not set(local) & set("/#"):
+        if local != iri and _LOCAL.fullmatch(local):
             return f"{prefix}:{local}"
     return f"<{iri}>"
 
 
-def _literal(term: Literal, namespaces: Namespaces) -> str:
-    datatype, text = term.datatype.value, clipped(term.value, _LONG)
+def _literal(term: Literal, namespaces: Namespaces, *, whole: bool) -> str:
+    datatype, text = term.datatype.value, term.value if whole else clipped(term.value, _LONG)
     if term.language is not None:
         return f"{_quoted(text)}@{term.language}{_direction(term)}"
     if datatype in _BARE and _is_bare(term):

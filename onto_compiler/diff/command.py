@@ -7,6 +7,8 @@ import re
 import sys
 from collections.abc import Iterator
 from dataclasses import asdict
+from difflib import unified_diff
+from textwrap import TextWrapper
 from typing import TYPE_CHECKING
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, print_json
@@ -17,8 +19,8 @@ if TYPE_CHECKING:  # `onto --help` reads this module, and stays without Oxigraph
 
 __all__ = ["DIFF"]
 
-_PLAIN = re.compile(r'"([^"]*)"\^\^xsd:(?:boolean|decimal|double|integer)\b')
-_LONG = 60  # characters of a value that a line shows
+_WIDTH = 80  # columns of a terminal
+_LONG = 120  # characters of values that stand in a sentence of Markdown
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -38,6 +40,7 @@ def _run(options: argparse.Namespace) -> int:
             "ok": found.ok,
             "changes": [asdict(change) for change in found.changes],
             "releases": [asdict(release) for release in found.releases],
+            "prefixes": dict(found.prefixes),
         })  # fmt: skip
     else:
         lines = _markdown(found) if options.format == "markdown" else _text(found)
@@ -52,9 +55,24 @@ def _text(found: Comparison) -> Iterator[str]:
         yield _heading(release)
         own = [change for change in found.changes if change.ontology == release.ontology]
         for change in sorted(own, key=lambda change: not change.breaking):
-            yield f"  {'breaking: ' if change.breaking else ''}{_sentence(change, '')}"
+            sentence = f"{'breaking: ' if change.breaking else ''}{_sentence(change, '', found)}"
+            line = f"  {sentence}{_inline(change, '')}"
+            if len(line) <= _WIDTH and "\n" not in line:
+                yield line
+                continue
+            yield from _wrapped(sentence, "  ", "      ")
+            for each in _differing(change):
+                yield from _wrapped(each, "    ", "      ")
         if not release.enough:
             yield f"  the version must be raised: {counted(release.breaking, 'breaking change')}"
+
+
+def _wrapped(line: str, first: str, rest: str) -> list[str]:
+    """A line of text in the columns of a terminal; a word is never broken."""
+    if len(first + line) <= _WIDTH:
+        return [first + line]
+    whole = TextWrapper(_WIDTH, first, rest, break_long_words=False, break_on_hyphens=False)
+    return whole.wrap(line)
 
 
 def _markdown(found: Comparison) -> Iterator[str]:
@@ -68,9 +86,22 @@ def _markdown(found: Comparison) -> Iterator[str]:
         ):
             if chosen:
                 yield from ("", f"### {title}", "")
-                yield from (f"- {_sentence(change, '`')}" for change in chosen)
+                for change in chosen:
+                    yield from _item(change, found)
         if not release.enough:
             yield from ("", f"**The version must be raised from {release.old or 'none'}.**")
+
+
+def _item(change: Change, found: Comparison) -> Iterator[str]:
+    sentence, inline = _sentence(change, "`", found), _inline(change, "`")
+    ticks = max((len(run) for value in (*change.was, *change.now) for run in re.findall("`+", value)), default=0)
+    if "\n" not in inline and len(inline) <= _LONG and not ticks:
+        yield f"- {sentence}{inline}"
+        return
+    fence = "`" * max(3, ticks + 1)
+    yield from (f"- {sentence}", "", f"  {fence}diff")
+    yield from (f"  {line}" for line in _differing(change))
+    yield from (f"  {fence}", "")
 
 
 def _heading(release: Release) -> str:
@@ -78,22 +109,41 @@ def _heading(release: Release) -> str:
     return f"{release.ontology or 'no ontology'}, version {version or 'none'}"
 
 
-def _sentence(change: Change, tick: str) -> str:
-    from onto_compiler.rdf import shorten  # noqa: PLC0415 - as above
+def _sentence(change: Change, tick: str, found: Comparison) -> str:
+    """What changed, without the values."""
+    from onto_compiler.rdf import node  # noqa: PLC0415 - as above
+    from onto_compiler.terms import show  # noqa: PLC0415
 
-    term = f"{tick}{shorten(change.term)}{tick}"
-    if change.change in {"added", "removed"}:
+    def named(iri: str) -> str:
+        shown = show(node(iri), found.prefixes)
+        return f"{tick}{shown.strip('<>') if tick == '' else shown}{tick}"
+
+    if not change.term:
+        return f"{change.change} {change.kind} without a name:"
+    term = named(change.term)
+    if change.change in {"added", "removed", "deprecated"}:
         return f"{change.change} {change.kind} {term}"
-    if change.change == "deprecated":
-        return f"deprecated {change.kind} {term}"
-    values = " -> ".join(_values(side, tick) for side in (change.old, change.new))
-    return f"changed {change.facet} of {change.kind} {term}: {tick}{shorten(change.property)}{tick} {values}"
+    return f"changed {change.facet} of {change.kind} {term}: {named(change.property)}"
 
 
-def _values(values: tuple[str, ...], tick: str) -> str:
-    plain = (_PLAIN.sub(r"\1", value) for value in values)
-    shown = (value if len(value) <= _LONG else f"{value[: _LONG - 3]}..." for value in plain)
-    return ", ".join(f"{tick}{value}{tick}" for value in shown) or "none"
+def _inline(change: Change, tick: str) -> str:
+    """The values behind the sentence."""
+    if not change.term:
+        return " " + ", ".join(f"{tick}{value}{tick}" for value in (*change.was, *change.now))
+    if change.change != "changed":
+        return ""
+    was, now = (", ".join(f"{tick}{value}{tick}" for value in side) or "none" for side in (change.was, change.now))
+    return f" {was} -> {now}"
+
+
+def _differing(change: Change) -> Iterator[str]:
+    """What was, each line behind a minus, and what is, behind a plus; of one text that became another, what differs."""
+    if len(change.was) == len(change.now) == 1 and "\n" in change.was[0] + change.now[0]:
+        lines = unified_diff(change.was[0].split("\n"), change.now[0].split("\n"), n=1, lineterm="")
+        yield from ("..." if line.startswith("@@") else line for line in list(lines)[2:])
+        return
+    for sign, values in (("- ", change.was), ("+ ", change.now)):
+        yield from (sign + line for value in values for line in value.split("\n"))
 
 
 DIFF = Command(

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 
 from onto_compiler.rdf import CORE, OWL, PREFIXES, RDF, RDFS, SH, SKOS
 
-__all__ = ["FACETS", "HEADER", "OTHER", "Facet"]
+__all__ = ["FACETS", "HEADER", "OTHER", "WORDING", "Facet"]
 
 
 @dataclass(frozen=True, slots=True)
 class Facet:
     """``breaks``: "never", "always" (any change), "less" (a value that goes), "more" (a value that comes),
-    "pair" (as "more", but for a term that is itself new),
     "class" (unless the new class holds all members of the old), "taken" (as "class", and also where it goes or comes),
     "super" (a superclass that goes, a restriction that comes), "type" (a type that goes, an axiom that comes).
     """  # noqa: D205 - one field, whose values are the summary
@@ -28,6 +27,7 @@ class Facet:
 
 _DCTERMS = PREFIXES["dcterms"]
 OTHER = Facet("other", "never")
+WORDING = Facet("wording", "never")  # of a shape's message, or the same number in other digits
 HEADER = frozenset({OWL + "versionInfo", OWL + "versionIRI", OWL + "priorVersion"})
 _DOCUMENTATION = Facet("documentation", "never")
 _BINDING = Facet("binding", "always")
@@ -38,7 +38,6 @@ FACETS: Mapping[str, Facet] = {
     RDFS + "subClassOf": Facet("superclass", "super"),
     RDFS + "subPropertyOf": Facet("superproperty", "less"),
     OWL + "equivalentClass": Facet("equivalence", "always"),
-    OWL + "disjointWith": Facet("disjointness", "pair"),
     OWL + "inverseOf": Facet("inverse", "always"),
     OWL + "imports": Facet("imports", "less"),
     OWL + "deprecated": Facet("deprecation", "never"),

@@ -1,51 +1,53 @@
-"""One side of a comparison: Turtle files, folders, or what a git revision held, as descriptions of terms.
-
-A blank node is described by its statements, so two files that differ only in its label or place are equal.
-"""
+"""One side of a comparison: Turtle files, folders, or what a git revision held, as descriptions of terms."""
 
 from __future__ import annotations
 
 import io
+import re
 import subprocess
 import tarfile
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from pathlib import Path
-from typing import cast
 
-from pyoxigraph import BlankNode, Literal, NamedNode, Store
+from pyoxigraph import Literal, NamedNode, Quad, Store
 
-from onto_compiler.emit.turtle import iri_text, term_text
 from onto_compiler.problems import OntoError, Problem
-from onto_compiler.rdf import BASE, OWL, RDF, RDFS, SH, node
-from onto_compiler.sources import collect, load_store, read_into
+from onto_compiler.rdf import OWL, RDF, RDFS
+from onto_compiler.sources import collect, read_into
+from onto_compiler.terms import Term
 
-__all__ = ["DISJOINT", "Side", "read_side"]
+__all__ = ["Side", "Version", "read_side"]
 
-Term = NamedNode | BlankNode | Literal
+_TYPE, _ONTOLOGY = RDF + "type", OWL + "Ontology"
+_PLACE = "file:///"
+_RELATIVE = re.compile(r"<(?![A-Za-z][A-Za-z0-9+.-]*:)")
+_PREFIX = re.compile(r"(?im)^[ \t]*@?prefix[ \t]+([\w.-]*):[ \t]*<([^<>\s]*)>")
 
-DISJOINT = OWL + "disjointWith"
-_TYPE = node(RDF + "type")
-_NO_MEANING = {
-    SH + "message", SH + "name", SH + "description", RDFS + "comment", BASE + "shapes#hint", BASE + "shapes#code",
-}  # fmt: skip
-_DEPTH = 12
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """What a header says of its version: ``owl:versionInfo`` and ``owl:versionIRI``, each empty where it does not."""
+
+    info: str = ""
+    iri: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Side:
-    """``terms``: IRI -> predicate IRI -> values as Turtle texts, blank nodes in brackets.
+    """Statements as they are written, each in the graph of its file.
 
-    ``ontology``: the IRI of the ontology whose file holds a term; ``versions``: its ``owl:versionInfo``, or nothing;
-    ``above``: a class with all its superclasses, those of the shipped ontology among them.
+    ``terms``: IRI -> predicate IRI -> values; ``ontology``: the IRI of the ontology whose file holds a term;
+    ``headers``: the same of a file's graph; ``versions``: of each ontology; ``prefixes``: as (name, namespace).
     """
 
-    terms: Mapping[str, Mapping[str, frozenset[str]]]
+    quads: tuple[Quad, ...]
+    terms: Mapping[str, Mapping[str, frozenset[Term]]]
     ontology: Mapping[str, str]
-    versions: Mapping[str, str]
-    above: Mapping[str, frozenset[str]]
+    headers: Mapping[str, str]
+    versions: Mapping[str, Version]
+    prefixes: tuple[tuple[str, str], ...]
 
 
 def read_side(given: str) -> Side:
@@ -91,90 +93,55 @@ def _extract(revision: str, path: str, folder: str) -> None:
 
 
 def _side(paths: list[Path]) -> Side:
-    store = Store()
-    problems = [problem for path in collect(paths) for problem in read_into(store, path)]
+    found: list[Quad] = []
+    problems: list[Problem] = []
+    prefixes: dict[tuple[str, str], None] = {}
+    (root,) = paths
+    for path in collect(paths):
+        written: list[Quad] = []
+        problems += read_into(Store(), path, None, written)
+        if problems:
+            continue
+        text = path.read_text("utf-8-sig")
+        prefixes |= dict.fromkeys(_PREFIX.findall(text))
+        found += _moved(written, root.resolve().as_uri()) if _RELATIVE.search(text) else written
     if problems:
         raise OntoError(*problems)
     headers = {
         str(quad.graph_name): quad.subject.value
-        for quad in store.quads_for_pattern(None, _TYPE, node(OWL + "Ontology"), None)
-        if isinstance(quad.subject, NamedNode)
+        for quad in found
+        if quad.predicate.value == _TYPE and quad.object == NamedNode(_ONTOLOGY) and isinstance(quad.subject, NamedNode)
     }
-    terms: dict[str, dict[str, set[str]]] = {}
+    terms: dict[str, dict[str, set[Term]]] = {}
     ontology: dict[str, str] = {}
-    for quad in store:
+    for quad in found:
         if isinstance(quad.subject, NamedNode):
-            values = terms.setdefault(quad.subject.value, {}).setdefault(quad.predicate.value, set())
-            values.add(_text(store, cast("Term", quad.object), _DEPTH))
+            terms.setdefault(quad.subject.value, {}).setdefault(quad.predicate.value, set()).add(quad.object)
             ontology.setdefault(quad.subject.value, headers.get(str(quad.graph_name), ""))
-    for one, other in _disjoint(store):
-        terms.setdefault(one, {}).setdefault(DISJOINT, set()).add(iri_text(other))
     for iri, about in terms.items():
         for reason in about.get(RDFS + "isDefinedBy", ()):
-            if reason.startswith("<"):
-                ontology[iri] = reason[1:-1]
-    versions = {iri: _first(store, iri, OWL + "versionInfo") for iri in headers.values()}
+            if isinstance(reason, NamedNode):
+                ontology[iri] = reason.value
+    versions = {
+        iri: Version(_least(terms[iri].get(OWL + "versionInfo", ())), _least(terms[iri].get(OWL + "versionIRI", ())))
+        for iri in headers.values()
+    }
     frozen = {iri: {name: frozenset(values) for name, values in about.items()} for iri, about in terms.items()}
-    return Side(frozen, ontology, versions, _closure(store))
+    return Side(tuple(found), frozen, ontology, headers, versions, tuple(prefixes))
 
 
-def _first(store: Store, iri: str, predicate: str) -> str:
-    values = (quad.object for quad in store.quads_for_pattern(node(iri), node(predicate), None, None))
-    return min((value.value for value in values if isinstance(value, Literal)), default="")
+def _least(terms: Iterable[Term]) -> str:
+    return min((term.value for term in terms if isinstance(term, NamedNode | Literal)), default="")
 
 
-def _text(store: Store, term: Term, depth: int) -> str:
-    if not isinstance(term, BlankNode):
-        return term_text(term)
-    if depth == 0:
-        return "[...]"
-    if any(True for _ in store.quads_for_pattern(term, node(RDF + "first"), None, None)):
-        return f"( {' '.join(_text(store, member, depth - 1) for member in _items(store, term))} )"
-    parts = sorted(
-        f"{iri_text(quad.predicate.value)} {_text(store, cast('Term', quad.object), depth - 1)}"
-        for quad in store.quads_for_pattern(term, None, None, None)
-        if quad.predicate.value not in _NO_MEANING
-    )
-    return f"[ {' ; '.join(parts)} ]"
+def _moved(quads: Sequence[Quad], root: str) -> Iterator[Quad]:
+    """The statements with relative IRIs resolved as if both sides were in one place: ``<#A>`` is the same in each."""
 
+    def moved(term: Term) -> Term:
+        if isinstance(term, NamedNode) and term.value.startswith(root):
+            return NamedNode(_PLACE + term.value.removeprefix(root))
+        return term
 
-def _items(store: Store, head: Term) -> Iterator[Term]:
-    seen: set[Term] = set()
-    while isinstance(head, BlankNode) and head not in seen:
-        seen.add(head)
-        firsts = store.quads_for_pattern(head, node(RDF + "first"), None, None)
-        yield from (cast("Term", quad.object) for quad in firsts)
-        rests = store.quads_for_pattern(head, node(RDF + "rest"), None, None)
-        head = next((cast("Term", quad.object) for quad in rests), node(RDF + "nil"))
-
-
-def _disjoint(store: Store) -> set[tuple[str, str]]:
-    """Every pair of classes that an axiom says to share no member, once and in alphabetical order."""
-    groups = [
-        {member.value for member in _items(store, cast("Term", quad.object)) if isinstance(member, NamedNode)}
-        for kind in (OWL + "members", OWL + "disjointUnionOf")
-        for quad in store.quads_for_pattern(None, node(kind), None, None)
-    ]
-    groups += [
-        {quad.subject.value, quad.object.value}
-        for quad in store.quads_for_pattern(None, node(DISJOINT), None, None)
-        if isinstance(quad.subject, NamedNode) and isinstance(quad.object, NamedNode)
-    ]
-    return {pair for group in groups for pair in combinations(sorted(group), 2)}
-
-
-def _closure(store: Store) -> dict[str, frozenset[str]]:
-    direct: dict[str, set[str]] = {}
-    for source in (store, load_store()):
-        for quad in source.quads_for_pattern(None, node(RDFS + "subClassOf"), None, None):
-            if isinstance(quad.subject, NamedNode) and isinstance(quad.object, NamedNode):
-                direct.setdefault(quad.subject.value, set()).add(quad.object.value)
-    found = {}
-    for start in direct:
-        reached, todo = {start}, [start]
-        while todo:
-            fresh = direct.get(todo.pop(), set()) - reached
-            reached |= fresh
-            todo += fresh
-        found[start] = frozenset(reached)
-    return found
+    for quad in quads:
+        subject, predicate, value = moved(quad.subject), moved(quad.predicate), moved(quad.object)
+        yield Quad(subject, predicate, value, quad.graph_name)  # type: ignore[arg-type]

@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from functools import lru_cache
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from pyoxigraph import Literal, NamedNode, Quad, Store, Triple
 
 from onto_compiler.rdf import XSD, double
 
-__all__ = ["mark", "respelled", "unmark", "value"]
+__all__ = ["mark", "respelled", "stored", "unmark", "value"]
 
 _MARK = "urn:onto-evwm:written:"
 _TEXTS = frozenset(XSD + name for name in ("string", "anyURI", "normalizedString", "token", "language"))
@@ -63,6 +63,11 @@ def value(term: _Any) -> _Any:
     return plain
 
 
+def stored(literal: Literal) -> Literal:
+    """``literal`` as Oxigraph spells it: equal for two spellings of one value, such as ``1.50`` and ``1.5``."""
+    return _stored(literal) if _may_differ(literal) else literal
+
+
 @lru_cache(maxsize=65536)
 def _marked(literal: Literal) -> Literal:
     return Literal(literal.value, datatype=NamedNode(_MARK + literal.datatype.value))
@@ -103,6 +108,11 @@ def _is_too_long(literal: Literal) -> bool:
 def _is_respelled(literal: Literal) -> bool:
     if literal.datatype.value.removeprefix(XSD) in _BOUNDED and _is_too_long(literal):
         return True
+    return bool(_stored(literal) != literal)
+
+
+@lru_cache(maxsize=65536)
+def _stored(literal: Literal) -> Literal:
     store = Store()
     store.add(Quad(_SCRATCH, _SCRATCH, literal))
-    return bool(Quad(_SCRATCH, _SCRATCH, literal) != next(iter(store)))
+    return cast("Literal", next(iter(store)).object)

@@ -1,1 +1,1 @@
-"""``onto new``: first versions of ontologies, predicates, failures, routes and tasks, which pass ``onto check``."""
+"""``onto new``: first versions of ontologies, terms, tasks, functions and packages, which pass ``onto check``."""

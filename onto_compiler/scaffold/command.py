@@ -4,62 +4,135 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterable
 from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING
 
 from onto_compiler.command import CLEAN, Command
 from onto_compiler.problems import OntoError
 
+if TYPE_CHECKING:  # `onto --help` reads this module, and stays without Oxigraph
+    from onto_compiler.scaffold.names import WordedName
+    from onto_compiler.scaffold.values import Options
+
 __all__ = ["NEW"]
 
-KINDS = ("ontology", "predicate", "failure", "route", "task")
+_TAKES = {
+    "ontology": ("iri",),
+    "predicate": ("iri", "of", "arity", "domain", "range", "unit", "grounded_by"),
+    "failure": ("iri",),
+    "route": ("iri", "admits", "supports"),
+    "binding": ("iri", "lifts", "native", "grounded_by"),
+    "task": (),
+    "grounding": ("iri", "arity"),
+    "proposer": (),
+    "package": ("iri",),
+}
+"""What can be begun, and the options that say something of it."""
+KINDS = tuple(_TAKES)
+_MODULES = frozenset(("grounding", "proposer", "package"))
+_ENDINGS = {"task": ".bddl", "grounding": ".py", "proposer": ".py", "package": ""}
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("kind", choices=KINDS, help="what to begin")
-    parser.add_argument("name", metavar="NAME", help="its name, e.g. served_on")
+    parser.add_argument(
+        "name", metavar="NAME", help="its name, e.g. served_on; of a proposer, the route that it serves"
+    )
     parser.add_argument(
         "--into",
         type=Path,
         metavar="FILE",
-        help="the file to write; a term is added at its end (default: NAME.ttl, or NAME.bddl for a task)",
+        help="the file to write, a package's folder; a term is added at the file's end (default: NAME.ttl, NAME.bddl "
+        "for a task, NAME.py for a grounding function or a proposer, NAME for a package)",
     )
-    parser.add_argument("--iri", default="", help="the IRI of a new ontology (default: https://example.org/NAME)")
-    parser.add_argument("--of", default="", metavar="KIND", help="a predicate's kind (default: man:ObjectRelation)")
-    parser.add_argument("--admits", nargs="+", default=[], metavar="FAILURE", help="what a route admits")
-    parser.add_argument("--supports", nargs="+", default=[], metavar="KIND", help="what a route supports")
+    parser.add_argument("--iri", help="the IRI of a new ontology (default: https://example.org/NAME)")
+    parser.add_argument("--of", metavar="KIND", help="a predicate's kind (default: man:ObjectRelation)")
+    parser.add_argument("--arity", type=int, metavar="N", help="how many arguments it takes: 1 or 2 (default: 2)")
+    parser.add_argument("--domain", metavar="CLASS", help="of the first argument (default: man:Object)")
+    parser.add_argument("--range", metavar="CLASS", help="of the second argument (default: man:Object)")
+    parser.add_argument("--unit", metavar="UNIT", help="of a predicate's margin (default: unit:M)")
+    parser.add_argument(
+        "--grounded-by", metavar="FUNCTION", help="what measures it (default of a predicate of two: on_object)"
+    )
+    parser.add_argument("--lifts", metavar="PREDICATE", help="what a binding lifts its atom to")
+    parser.add_argument("--native", metavar="ATOM", help="the atom of a binding in task files (default: Name)")
+    parser.add_argument("--admits", nargs="+", metavar="FAILURE", help="what a route admits")
+    parser.add_argument("--supports", nargs="+", metavar="KIND", help="what a route supports")
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from onto_compiler.scaffold import templates  # noqa: PLC0415 - `onto --help` stays quick
-    from onto_compiler.scaffold.names import read_name  # noqa: PLC0415
-    from onto_compiler.scaffold.turtle import Options, added, new_ontology  # noqa: PLC0415
+    from onto_compiler.scaffold.names import read_name  # noqa: PLC0415 - `onto --help` stays quick
 
     kind: str = arguments.kind
-    name = read_name(arguments.name)
-    into: Path = arguments.into or Path(name.snake + (".bddl" if kind == "task" else ".ttl"))
-    plain = Options()
-    options = Options(
-        arguments.iri,
-        arguments.of or plain.kind,
-        tuple(arguments.admits) or plain.admits,
-        tuple(arguments.supports) or plain.supports,
-    )
-    if kind in {"ontology", "task"}:
-        if into.exists():
-            raise OntoError.of("NEW004", f"`{into}` exists already", "give another file with --into", str(into))
-        sentence = name.text.capitalize()
-        new = _laid_out(new_ontology(name, options), into) if kind == "ontology" else ""
-        text = new or templates.TASK.format(sentence=sentence)
-    else:
-        before = _read(into) or _laid_out(new_ontology(name, options), into)
-        text = added(kind, name, into, before, options)
-        # A file that somebody lays out in another way keeps its ways.
-        if before == _laid_out(before, into):
-            text = _laid_out(text, into)
-    _write(into, text)
-    sys.stdout.write(f"{into}\n")
-    sys.stderr.write(f"wrote the {kind} `{name.snake}`; next: edit it, and run `onto check {into}`\n")
+    name = read_name(arguments.name, module=kind in _MODULES)
+    into: Path = arguments.into or Path(name.snake + _ENDINGS.get(kind, ".ttl"))
+    options = _options(arguments)
+    written = tuple(_new(kind, name, into, options))
+    for path, text in written:
+        _write(path, text, folders=kind == "package")
+        sys.stdout.write(f"{path}\n")
+    sys.stderr.write(_next(kind, name, into))
     return CLEAN
+
+
+def _options(arguments: argparse.Namespace) -> Options:
+    from onto_compiler.scaffold.values import Options  # noqa: PLC0415 - as above
+
+    names = {option for options in _TAKES.values() for option in options}
+    given = {name: value for name in names if (value := getattr(arguments, name)) is not None}
+    for option in sorted(given.keys() - _TAKES[arguments.kind]):
+        flag = f"--{option.replace('_', '-')}"
+        takers = [kind for kind, options in _TAKES.items() if option in options]
+        message = f"`{flag}` says nothing of a new {arguments.kind}"
+        raise OntoError.of("NEW006", message, f"leave it out; it is an option of: {', '.join(takers)}")
+    if "of" in given:
+        given["kind"] = given.pop("of")
+    return Options(**given)
+
+
+def _new(kind: str, name: WordedName, into: Path, options: Options) -> Iterable[tuple[Path, str]]:
+    """The files to write, with their texts; nothing that exists is among them, but for a file that gets a term."""
+    from onto_compiler.registered import GROUNDINGS, points  # noqa: PLC0415 - as above
+    from onto_compiler.scaffold import templates  # noqa: PLC0415
+    from onto_compiler.scaffold.package import module, package  # noqa: PLC0415
+    from onto_compiler.scaffold.turtle import added, new_ontology  # noqa: PLC0415
+
+    if options.arity not in (1, 2):
+        raise OntoError.of("NEW006", f"an arity of {options.arity} is not supported", "give --arity 1 or 2")
+    term = kind not in {"ontology", "task", "proposer", "package"} and into.suffix == ".ttl"
+    if into.exists() and not term:
+        raise OntoError.of("NEW004", f"`{into}` exists already", "give another file with --into", str(into))
+    if kind in {"grounding", "package"} and name.snake in {point.name for point in points(GROUNDINGS)}:
+        message = f"a grounding function `{name.snake}` is registered already"
+        raise OntoError.of("NEW002", message, "choose another name")
+    if kind == "package":
+        return [
+            (path, _laid_out(text, path) if path.suffix == ".ttl" else text)
+            for path, text in package(name, options, into)
+        ]
+    if kind == "task":
+        return [(into, templates.TASK.format(sentence=name.text.capitalize()))]
+    if kind in _MODULES and not term:
+        return [(into, module(kind, name, options.arity))]
+    if kind == "ontology":
+        return [(into, _laid_out(new_ontology(name, options), into))]
+    before = _read(into) or _laid_out(new_ontology(name, options), into)
+    text = added(kind, name, into, before, options)
+    # A file that somebody lays out in another way keeps its ways.
+    return [(into, _laid_out(text, into) if before == _laid_out(before, into) else text)]
+
+
+def _next(kind: str, name: WordedName, into: Path) -> str:
+    from onto_compiler.scaffold.package import entry_point  # noqa: PLC0415 - as above
+
+    wrote = f"wrote the {kind} `{name.snake}`; next: "
+    if kind == "package":
+        return f"{wrote}`pip install -e {quote(str(into))}`, then `pytest {quote(str(into))}`\n"
+    if kind in _MODULES and into.suffix != ".ttl":
+        return f"{wrote}edit it, and register it in `pyproject.toml`:\n\n{entry_point(kind, name)}"
+    return f"{wrote}edit it, and run `onto check {quote(str(into))}`\n"
 
 
 def _read(path: Path) -> str:
@@ -82,8 +155,10 @@ def _laid_out(text: str, path: Path) -> str:
         return text
 
 
-def _write(path: Path, text: str) -> None:
+def _write(path: Path, text: str, *, folders: bool) -> None:
     try:
+        if folders:
+            path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(text.encode())
     except OSError as error:
         message = f"cannot write `{path}`: {error.strerror or error}"
@@ -92,8 +167,8 @@ def _write(path: Path, text: str) -> None:
 
 NEW = Command(
     name="new",
-    help="Begin an ontology, a predicate, a failure, a route or a task with a text that passes `onto check`.",
-    example="onto new predicate served_on --into kitchen.ttl",
+    help="Begin an ontology, a term of one, a task, a grounding function, a proposer or a whole package.",
+    example="onto new predicate served_on --range man:Support --into kitchen.ttl",
     configure=_configure,
     run=_run,
 )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from importlib.util import find_spec
+from keyword import iskeyword
 
 from onto_compiler.problems import OntoError
 
@@ -34,11 +36,12 @@ class WordedName:
         return " ".join(self.words)
 
 
-def read_name(given: str) -> WordedName:
+def read_name(given: str, *, module: bool = False) -> WordedName:
     """A name from what a person gives: ``served_on``, ``ServedOn``, ``served-on`` and ``"served on"`` are the same.
 
     Raises:
-        OntoError: NEW001 if it holds other characters or starts with a digit.
+        OntoError: NEW001 if it holds other characters or starts with a digit, or cannot be the name of a Python
+            ``module``; NEW002 if an installed module has that name.
 
     """
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9]*(?:[ _-]+[A-Za-z0-9]+)*", given):
@@ -47,4 +50,12 @@ def read_name(given: str) -> WordedName:
             f"`{given}` cannot become the name of a term",
             "write words of ASCII letters and digits, joined by `_`, the first one starting with a letter",
         )
-    return WordedName(tuple(word.lower() for word in _WORD.findall(given)))
+    name = WordedName(tuple(word.lower() for word in _WORD.findall(given)))
+    if module and iskeyword(name.snake):
+        raise OntoError.of(
+            "NEW001", f"`{name.snake}` is a word of Python and cannot name a module", "choose another name"
+        )
+    if module and (found := find_spec(name.snake)) is not None and found.origin is not None:
+        message = f"a module `{name.snake}` is installed already, and one of the two would hide the other"
+        raise OntoError.of("NEW002", message, "choose another name")
+    return name

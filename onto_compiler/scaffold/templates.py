@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-__all__ = ["DECLARE", "FAILURE", "HEADER", "PREDICATE", "ROUTE", "TASK"]
+__all__ = ["BINDING", "DECLARE", "FAILURE", "GROUNDING", "HEADER", "PREDICATE", "ROUTE", "TASK"]
 
 HEADER = """\
 <{iri}> a owl:Ontology ;
     dcterms:title "{title}"@en ;
-    dcterms:description "What is asked of {text}, on top of the manipulation vocabulary."@en ;
+    dcterms:description "Terms of the domain `{text}`, on top of the manipulation vocabulary."@en ;
     dcterms:creator "{creator}" ;
     dcterms:license <https://spdx.org/licenses/MIT> ;
     owl:imports <https://w3id.org/onto-evwm/manipulation> ;
@@ -17,19 +17,34 @@ HEADER = """\
 PREDICATE = """\
 {own}:{snake} a owl:NamedIndividual , {kind} ;
     rdfs:label "{text}"@en ;
-    skos:definition "Holds when the first argument is {text} the second."@en ;
+    skos:definition "{definition}"@en ;
     skos:notation "{snake}" ;
-    core:arity 2 ;
-    core:domain man:Object ;
-    core:range man:Object ;
-    core:marginUnit unit:M ;
-    core:groundedBy "on_object" ;
+    core:arity {arity} ;
+    core:domain {domain} ;
+{optional}    rdfs:isDefinedBy <{iri}> .
+"""
+BINDING = """\
+{own}:{snake} a owl:NamedIndividual , core:Binding ;
+    rdfs:label "{text}"@en ;
+    skos:definition "Lifts the atom {native} of {classes}."@en ;
+    core:native "{native}" ;
+{arguments}    core:lifts {lifts} ;
+    core:groundedBy "{function}" ;
+    core:order {order} ;
+    rdfs:isDefinedBy <{iri}> .
+"""
+GROUNDING = """\
+{own}:{snake}_function a owl:NamedIndividual , core:GroundingFunction ;
+    rdfs:label "{text} function"@en ;
+    skos:definition "Grounds the predicate `{text}` in a state of the simulator."@en ;
+    skos:notation "{snake}" ;
+    core:tests {arity} ;
     rdfs:isDefinedBy <{iri}> .
 """
 ROUTE = """\
 {own}:{snake} a owl:NamedIndividual , core:ResidualRoute ;
     rdfs:label "{text}"@en ;
-    skos:definition "Corrects, after another route was rejected, what {text} can correct."@en ;
+    skos:definition "Corrects what another route was rejected for, by the mechanism `{text}`."@en ;
     skos:editorialNote "It takes over from the routes that name it with core:onRejection."@en ;
     skos:notation "{snake}" ;
     core:level core:StateLevel ;
@@ -41,7 +56,7 @@ DECLARE = '<{iri}> sh:declare [ sh:prefix "{prefix}" ; sh:namespace "{namespace}
 FAILURE = '''\
 {own}:{camel} a owl:Class ;
     rdfs:label "{text}"@en ;
-    skos:definition "A required {text} relation does not hold as required."@en ;
+    skos:definition "The failure of a required fact of the kind `{text} relation`."@en ;
     rdfs:subClassOf core:RelationMismatch ;
     skos:notation "{snake}" ;
     core:priority {priority} ;
@@ -49,13 +64,13 @@ FAILURE = '''\
 
 {own}:{camel}Relation a owl:Class ;
     rdfs:label "{text} relation"@en ;
-    skos:definition "The kind of predicates whose failure is {text}."@en ;
+    skos:definition "The kind of predicates that fail as `{text}`."@en ;
     rdfs:subClassOf core:Predicate ;
     rdfs:isDefinedBy <{iri}> .
 
 {own}:{snake}_route a owl:NamedIndividual , core:StateRoute ;
     rdfs:label "{text} route"@en ;
-    skos:definition "Corrects what is {text}."@en ;
+    skos:definition "Corrects the failure `{text}`."@en ;
     skos:notation "{snake}_route" ;
     core:level core:StateLevel ;
     core:admits {own}:{camel} ;
@@ -64,14 +79,14 @@ FAILURE = '''\
 
 {own}:{snake}_rules a sh:NodeShape ;
     rdfs:label "{text} rules"@en ;
-    skos:definition "Names the failure {text}."@en ;
+    skos:definition "Names the failure `{text}`."@en ;
     sh:targetClass core:ObservedFact ;
     sh:rule {own}:{snake}_rule ;
     rdfs:isDefinedBy <{iri}> .
 
 {own}:{snake}_rule a sh:SPARQLRule ;
     rdfs:label "{text} rule"@en ;
-    skos:definition "A required {text} relation that is unmet, in whatever way, is {text}."@en ;
+    skos:definition "A fact of the kind `{text} relation` that is unmet has the failure `{text}`."@en ;
     sh:order {order} ;
     sh:prefixes <{iri}> ;
     sh:construct """

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable
 from pathlib import Path
 
 from pyoxigraph import NamedNode
 
 from onto_compiler.check.model import Model, load_model
-from onto_compiler.problems import OntoError, near
+from onto_compiler.problems import OntoError
 from onto_compiler.rdf import BASE, CORE, OWL, PREFIXES, RDF, SH
 from onto_compiler.scaffold import templates
 from onto_compiler.scaffold.names import WordedName
+from onto_compiler.scaffold.values import Options, Terms, binding_values, predicate_values
 from onto_compiler.sources import graph_of
 from onto_compiler.turtle.source_map import map_text
 
@@ -24,16 +24,6 @@ _PRIORITY_ORDER = 110  # sh:order of the rule that reads what failure rules conc
 _PREFIX_LINE = re.compile(r"(?im)^[ \t]*@?prefix[^\n]*\n")
 _USED = re.compile(r"(?<![\w:<-])([a-z][\w-]*):(?=[\w])")
 _STRING = re.compile(r'"""(?s:.)*?"""|"[^"\n]*"')
-
-
-@dataclass(frozen=True, slots=True)
-class Options:
-    """What a person may choose; names of terms are written with a prefix."""
-
-    iri: str = ""
-    kind: str = "man:ObjectRelation"
-    admits: Sequence[str] = field(default=("man:RelationMissing",))
-    supports: Sequence[str] = field(default=("man:ObjectRelation",))
 
 
 def new_ontology(name: WordedName, options: Options) -> str:
@@ -53,11 +43,11 @@ def new_ontology(name: WordedName, options: Options) -> str:
 
 
 def added(kind: str, name: WordedName, path: Path, text: str, options: Options) -> str:
-    """``text``, the file at ``path``, with a ``kind`` (predicate, failure or route) called ``name`` at its end.
+    """``text``, the file at ``path``, with a ``kind`` of term called ``name`` at its end.
 
     Raises:
-        OntoError: what is wrong with the file (TTL0nn); NEW002 if the term exists; NEW003 if the file has not
-            one header; NEW005 if an option names a term that does not exist.
+        OntoError: what is wrong with the file (TTL0nn); NEW002 if the term or its notation exists; NEW003 if the file
+            has not one header; NEW005 if an option names a term that does not exist; NEW006 if options do not fit together.
 
     """
     path = path.resolve()
@@ -69,13 +59,18 @@ def added(kind: str, name: WordedName, path: Path, text: str, options: Options) 
     if not own:
         own = _fresh_prefix(iri, {*declared, *PREFIXES})
         declared[own] = f"{iri}#"
+    terms = Terms(model, declared)
+    terms.refuse_taken(kind, name.snake)
     values = {"own": own, "iri": iri, "snake": name.snake, "camel": name.camel, "text": name.text}
     if kind == "predicate":
-        block = templates.PREDICATE.format(kind=_known(model, options.kind, declared), **values)
+        block = templates.PREDICATE.format(**values, **predicate_values(name, options, terms))
+    elif kind == "binding":
+        block = templates.BINDING.format(**values, **binding_values(name, options, terms))
+    elif kind == "grounding":
+        block = templates.GROUNDING.format(arity=options.arity, **values)
     elif kind == "route":
-        admits, supports = (
-            " , ".join(_known(model, term, declared) for term in terms) for terms in (options.admits, options.supports)
-        )
+        admits = " , ".join(terms.a_class(term) for term in options.admits)
+        supports = " , ".join(terms.a_class(term) for term in options.supports)
         block = templates.ROUTE.format(admits=admits, supports=supports, **values)
     else:
         order, priority = _free_order(model), _free_priority(model)
@@ -119,29 +114,10 @@ def _value(term: object) -> str:
 
 
 def _fresh_prefix(iri: str, taken: Iterable[str]) -> str:
-    word = "".join(re.findall(r"[a-z0-9]+", iri.rpartition("/")[2].lower())) or "own"
+    word = "_".join(re.findall(r"[a-z0-9]+", iri.rpartition("/")[2].lower())) or "own"
     word = word if word[0].isalpha() else f"o{word}"
     candidates = [word, *(f"{word}{number}" for number in range(2, 1000))]
     return next(each for each in candidates if each not in set(taken))
-
-
-def _known(model: Model, term: str, declared: dict[str, str]) -> str:
-    """A term with its prefix, or by the local name alone where that is clear."""
-    prefix, _, local = term.rpartition(":")
-    spaces = {**PREFIXES, **declared}
-    node = NamedNode(spaces.get(prefix, "urn:unknown:") + local)
-    if next(model.store.quads_for_pattern(node, _TYPE, None, None), None) is None:
-        names = [f"{p}:{local}" for p in spaces for local in _locals(model, spaces[p])]
-        raise OntoError.of(
-            "NEW005", f"`{term}` is not declared", near(term, names) or "give a declared term with its prefix"
-        )
-    declared.setdefault(prefix, spaces[prefix])
-    return term
-
-
-def _locals(model: Model, namespace: str) -> list[str]:
-    subjects = {_value(quad.subject) for quad in model.store.quads_for_pattern(None, _TYPE, None, None)}
-    return [subject.removeprefix(namespace) for subject in subjects if subject.startswith(namespace)]
 
 
 def _refuse_existing(model: Model, block: str, own: str, namespace: str) -> None:

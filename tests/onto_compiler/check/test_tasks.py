@@ -14,7 +14,7 @@ from onto_compiler.command import CLEAN, FINDINGS
 ROOT = Path(__file__).resolve().parents[3]
 TASK, SERVED = ROOT / "docs/examples/serve_the_cheese.bddl", ROOT / "docs/examples/served.ttl"
 
-LINEUP = "lineup.ttl"
+PACKAGE = "in_line.ttl"
 
 
 def codes(capsys, *words):
@@ -29,8 +29,8 @@ def codes(capsys, *words):
 def test_a_task_is_lifted_by_the_ontology_beside_it(capsys):
     assert codes(capsys, TASK, SERVED) == (CLEAN, [])
     code, found = codes(capsys, ROOT / "docs/examples")
-    # The package of `lineup` is not installed here, and the check tells what it would register.
-    assert (code, {(kind, file) for kind, file, _ in found}) == (CLEAN, {("BND011", LINEUP), ("RTE015", LINEUP)})
+    # The package `in_line` is not installed here, and the check tells what it would register.
+    assert (code, {(kind, file) for kind, file, _ in found}) == (CLEAN, {("BND011", PACKAGE), ("RTE015", PACKAGE)})
 
 
 def test_without_that_ontology_the_predicate_is_unknown(capsys):

@@ -47,7 +47,7 @@ def added(kind: str, name: WordedName, path: Path, text: str, options: Options) 
 
     Raises:
         OntoError: what is wrong with the file (TTL0nn); NEW002 if the term or its notation exists; NEW003 if the file
-            has not one header; NEW005 if an option names a term that does not exist; NEW006 if options do not fit together.
+            has not one header; NEW005 if an option names a term that does not exist; NEW006 if options do not fit.
 
     """
     path = path.resolve()

@@ -18,8 +18,9 @@ from typing import Any
 from onto_compiler.emit import OUTPUTS, emit
 from onto_compiler.emit.tbox import TBox
 from onto_compiler.problems import OntoError, Problem, near
+from onto_compiler.sources import collect
 
-__all__ = ["Artefact", "Settings", "find_settings", "fresh", "write_text"]
+__all__ = ["Artefact", "Settings", "find_settings", "fresh", "sources_of", "write_text"]
 
 _TABLE = "[tool.onto.schema]"
 _EXAMPLE = f'add a table such as `{_TABLE}` with `shacl = "generated/shapes.ttl"`'
@@ -76,8 +77,27 @@ def _settings(file: Path, table: dict[str, Any]) -> Settings:
     if problems:
         raise OntoError(*problems)
     root = file.parent
-    artefacts = (Artefact(output, root / table[output]) for output in OUTPUTS if output in table)
-    return Settings(root, tuple(root / path for path in table.get("ontology", ())), tuple(artefacts))
+    sources = tuple(root / path for path in table.get("ontology", ()))
+    artefacts = tuple(Artefact(output, root / table[output]) for output in OUTPUTS if output in table)
+    used = {path.resolve(): "ontology" for path in sources}
+    for one in artefacts:
+        other = used.setdefault(one.path.resolve(), one.output)
+        if other != one.output:
+            fault = f"`{one.output}` in `{_TABLE}` names `{table[one.output]}`, as `{other}` does"
+            problems.append(Problem(str(file), 0, 0, "SCH002", "error", fault, "give each a file of its own"))
+    if problems:
+        raise OntoError(*problems)
+    return Settings(root, sources, artefacts)
+
+
+def sources_of(settings: Settings) -> tuple[Path, ...]:
+    """The Turtle files that the table names, without generated ones in their folders, which would feed themselves.
+
+    Raises:
+        OntoError: TTL002 if one does not exist, or a folder holds no Turtle.
+    """
+    generated = {artefact.path.resolve() for artefact in settings.artefacts}
+    return tuple(path for path in collect(settings.ontology) if path.resolve() not in generated)
 
 
 def fresh(artefact: Artefact, tbox: TBox) -> str:

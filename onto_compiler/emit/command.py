@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -27,7 +28,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from onto_compiler.emit.artefacts import find_settings, fresh, write_text  # noqa: PLC0415 - `onto --help` is quick
+    from onto_compiler.emit.artefacts import find_settings, fresh, sources_of, write_text  # noqa: PLC0415 - `onto --help` is quick
     from onto_compiler.emit.tbox import read_tbox  # noqa: PLC0415
 
     if options.emit:
@@ -38,7 +39,7 @@ def _run(options: argparse.Namespace) -> int:
             write_text(options.output, text)
         return CLEAN
     settings = find_settings(Path.cwd())
-    tbox = read_tbox([*settings.ontology, *options.ontology])
+    tbox = read_tbox([*sources_of(settings), *options.ontology])
     states = []
     for artefact in settings.artefacts:
         state = fresh(artefact, tbox)
@@ -47,7 +48,8 @@ def _run(options: argparse.Namespace) -> int:
             state = "written"
         states.append({"output": artefact.output, "file": _relative(artefact.path), "state": state})
     stale = [row for row in states if row["state"] in {"stale", "missing"}]
-    problems = [_problem(row["file"], row["output"], row["state"]) for row in stale]
+    again = shlex.join(["onto", "schema", "--write", *(["--ontology", *options.ontology] if options.ontology else [])])
+    problems = [_problem(row["file"], row["state"], again) for row in stale]
     if options.format == "json":
         print_json({"files": states, "problems": [problem.as_dict() for problem in problems]})
     else:
@@ -73,9 +75,12 @@ def _report(states: list[dict[str, str]], problems: list[Problem], write: Callab
     sys.stderr.write(f"{kept} of {len(states)} generated files were fresh\n")
 
 
-def _problem(file: str, output: str, state: str) -> Problem:
+def _problem(file: str, state: str, again: str) -> Problem:
+    """``again`` is the command that writes what is stale from the same ontology."""
     fault = "does not exist" if state == "missing" else "is not what the ontology generates now"
-    hint = f"run `onto schema --write`, or `onto schema --emit {output} --output {file}`"
+    hint = f"run `{again}`"
+    if Path(file).is_dir():
+        fault, hint = "is a folder", "name a file in `[tool.onto.schema]` of `pyproject.toml`"
     return Problem(file, 0, 0, "SCH003", "error", f"`{Path(file).name}` {fault}", hint)
 
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 import shutil
 import sys
 import tomllib
@@ -63,6 +64,51 @@ def test_missing_fresh_and_stale_files_are_told_apart(project, capsys):
     assert out.count("SCH003") == 2
 
 
+def hinted(capsys):
+    """Follow the hints of the problems that the last command reported."""
+    out = capsys.readouterr().out
+    commands = set(re.findall(r"help: run `onto (.*)`", out))
+    assert commands, out
+    return [main(shlex.split(command)) for command in sorted(commands)]
+
+
+@pytest.mark.parametrize("name", ["served.ttl", "my own.ttl"])
+@pytest.mark.parametrize("spoilt", ["missing", "stale", "empty"])
+def test_following_the_hint_mends_what_it_names(spoilt, name, project, capsys):
+    (project / "served.ttl").rename(project / name)
+    table = TABLE.replace('ontology = ["served.ttl"]\n', "") if "own" in name else TABLE
+    (project / "pyproject.toml").write_text(table)
+    given = ["--ontology", str(project / name)] if "own" in name else []
+    main(["schema", "--write", *given])
+    for file in ("made/shapes.ttl", "predicates.py"):
+        if spoilt == "missing":
+            (project / file).unlink()
+        else:
+            (project / file).write_text("" if spoilt == "empty" else (project / file).read_text() + "\n# more\n")
+    capsys.readouterr()
+    assert main(["schema", "--check", *given]) == FINDINGS
+    assert hinted(capsys) == [CLEAN]
+    assert main(["schema", "--check", *given]) == CLEAN
+
+
+def test_a_generated_file_in_the_ontologys_own_folder_does_not_feed_itself(project, capsys):
+    (project / "own").mkdir()
+    (project / "served.ttl").rename(project / "own/served.ttl")
+    (project / "pyproject.toml").write_text('[tool.onto.schema]\nontology = ["own"]\nshacl = "own/shapes.ttl"\n')
+    assert main(["schema", "--check"]) == FINDINGS
+    assert hinted(capsys) == [CLEAN]
+    assert main(["schema", "--check"]) == CLEAN
+    text = (project / "own/shapes.ttl").read_text()
+    assert main(["schema", "--write"]) == CLEAN
+    assert (project / "own/shapes.ttl").read_text() == text
+
+
+def test_a_folder_in_the_place_of_a_file_is_named(project, capsys):
+    (project / "predicates.py").mkdir()
+    assert main(["schema", "--check"]) == FINDINGS
+    assert "`predicates.py` is a folder" in capsys.readouterr().out
+
+
 def test_a_fresh_file_is_not_written_again(project, capsys):
     main(["schema", "--write"])
     before = (project / "made/shapes.ttl").stat().st_mtime_ns
@@ -83,6 +129,8 @@ def test_a_fresh_file_is_not_written_again(project, capsys):
         ("[tool.onto.schema]\nshacl = 3\n", "is no path"),
         ('[tool.onto.schema]\nshacl = "a.ttl"\nontology = "b.ttl"\n', "is not a list of paths"),
         ("[tool.onto.schema\n", "cannot be read"),
+        ('[tool.onto.schema]\nshacl = "a.ttl"\npython = "./a.ttl"\n', "names `./a.ttl`, as `shacl` does"),
+        ('[tool.onto.schema]\nontology = ["a.ttl"]\nshacl = "a.ttl"\n', "names `a.ttl`, as `ontology` does"),
     ],
 )
 def test_a_table_that_cannot_be_used_is_a_problem(table, said, tmp_path, monkeypatch, capsys):

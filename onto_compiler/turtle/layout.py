@@ -13,14 +13,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from pyoxigraph import BlankNode, Quad, Store
+from pyoxigraph import BlankNode, Quad, Store, Triple
 
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.sources import read_into
+from onto_compiler.terms import Term
 from onto_compiler.turtle.printer import print_document
 from onto_compiler.turtle.remarks import END, Remark
 from onto_compiler.turtle.tokens import SourceText, Token
-from onto_compiler.turtle.tree import Directive, Item, TurtleDocument, Unknown, read_document
+from onto_compiler.turtle.tree import VERSION, Directive, Item, TurtleDocument, Unknown, read_document
 
 __all__ = ["format_turtle", "read_turtle"]
 
@@ -45,7 +46,7 @@ def format_turtle(text: str, path: Path) -> str:
     """``text``, the content of ``path``, as it should be laid out.
 
     Raises:
-        OntoError: TTL0nn, ``text`` is not Turtle; FMT001, it holds what only RDF 1.2 knows.
+        OntoError: TTL0nn, ``text`` is not Turtle; FMT001, its layout would not read as the same triples.
 
     """
     before = _read(path, text)
@@ -72,22 +73,25 @@ def _read(path: Path, text: str) -> list[Quad]:
 
 def _anonymous(quads: Iterable[Quad]) -> Counter[tuple[str, ...]]:
     """Statements without the names of blank nodes, which differ at each reading; their order is the reader's own."""
-    return Counter(
-        tuple("" if isinstance(term, BlankNode) else str(term) for term in (one.subject, one.predicate, one.object))
-        for one in quads
-    )
+    return Counter(tuple(map(_nameless, (one.subject, one.predicate, one.object))) for one in quads)
+
+
+def _nameless(term: Term) -> str:
+    if isinstance(term, Triple):
+        return f"<<( {' '.join(map(_nameless, (term.subject, term.predicate, term.object)))} )>>"
+    return "" if isinstance(term, BlankNode) else str(term)
 
 
 def _unknown(path: Path, text: str, token: Token) -> Problem:
     span = SourceText(str(path), text).span(token.start, token.end)
     message = "this file holds what `onto fmt` cannot lay out without changing it"
     if token.text:
-        message = f"`onto fmt` does not know `{token.text}` here: it lays out RDF 1.1 Turtle"
-    return Problem.at(span, "FMT001", message, "leave this file out, or write it in RDF 1.1 Turtle")
+        message = f"`onto fmt` does not know `{token.text}` here"
+    return Problem.at(span, "FMT001", message, "leave this file out, or write what is here in another way")
 
 
 def _sorted(document: TurtleDocument) -> TurtleDocument:
-    """Base and prefixes before everything else, each once and by name, where that changes no meaning."""
+    """Version, base and prefixes before everything else, each once and by name, where that changes no meaning."""
     statements = document.statements
     directives = [item for item in statements if isinstance(item.body, Directive)]
     if not directives or not _movable(statements):
@@ -109,7 +113,7 @@ def _sorted(document: TurtleDocument) -> TurtleDocument:
             _set_off(item, apart=apart or not below)
             below.append(item)
             apart = False
-    above = [kept[body] for body in sorted(kept, key=lambda body: (body.name != "", body.name))]
+    above = [kept[body] for body in sorted(kept, key=lambda body: (body.name != VERSION, body.name != "", body.name))]
     separate = directives[0].apart
     for item in above:
         item.apart = False
@@ -147,5 +151,6 @@ def _movable(statements: list[Item]) -> bool:
         return True
     early = bodies[: bases[0]]
     return len(bases) == 1 and all(
-        isinstance(body, Directive) and _ABSOLUTE.match(body.iri) is not None for body in early
+        isinstance(body, Directive) and (body.name == VERSION or _ABSOLUTE.match(body.iri) is not None)
+        for body in early
     )

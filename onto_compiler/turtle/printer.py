@@ -6,18 +6,29 @@ and have one line for each part otherwise.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Final, cast
 
 from onto_compiler.turtle.remarks import Remark
-from onto_compiler.turtle.tree import Bracket, Directive, Item, Property, Triples, TurtleDocument, Word
+from onto_compiler.turtle.tree import (
+    CLOSING,
+    VERSION,
+    Annotated,
+    Bracket,
+    Directive,
+    Item,
+    Node,
+    Property,
+    Triples,
+    TurtleDocument,
+    Word,
+)
 
 __all__ = ["WIDTH", "print_document"]
 
 WIDTH: Final = 120
 """The columns of a line; only what cannot be broken is longer."""
 _STEP: Final = 4
-_CLOSING: Final = {"[": "]", "(": ")"}
 _SEPARATOR: Final = 2  # columns of a space and what ends a line
 
 
@@ -34,7 +45,7 @@ def print_document(document: TurtleDocument) -> list[str]:
 def _statement(item: Item) -> list[str]:
     body = item.body
     if isinstance(body, Directive):
-        word = f"@prefix {body.name}" if body.name else "@base"
+        word = VERSION if body.name == VERSION else f"@prefix {body.name}" if body.name else "@base"
         return _beside([f"{word} {body.iri} ."], item.beside)
     triples = cast("Triples", body)
     lines = _node(triples.subject, 0, 0)
@@ -67,7 +78,7 @@ def _property(property_: Property, indent: int, column: int) -> list[str]:
         lines = _beside([verb], property_.beside)
         for index, item in enumerate(objects):
             _add_above(lines, item, inner, first=index == 0)
-            _add(lines, _node(cast("Word | Bracket", item.body), inner, inner), inner)
+            _add(lines, _node(cast("Node", item.body), inner, inner), inner)
             _end_object(lines, item, last=item is objects[-1])
         return lines
     behind = column + len(verb) + 1
@@ -75,7 +86,7 @@ def _property(property_: Property, indent: int, column: int) -> list[str]:
     if flat is not None and _fits(flat, column):
         return [flat]
     if len(objects) == 1:
-        first, *rest = _node(cast("Word | Bracket", objects[0].body), indent, behind)
+        first, *rest = _node(cast("Node", objects[0].body), indent, behind)
         return [f"{verb} {first}", *rest]
     if _hugs(objects, inner, behind):
         lines = [verb]
@@ -86,12 +97,12 @@ def _property(property_: Property, indent: int, column: int) -> list[str]:
             if item is not objects[-1]:
                 lines[-1] += " ,"
         return lines
-    first, *rest = _node(cast("Word | Bracket", objects[0].body), inner, behind)
+    first, *rest = _node(cast("Node", objects[0].body), inner, behind)
     lines = [f"{verb} {first}", *rest]
     _end_object(lines, objects[0], last=False)
     for item in objects[1:]:
         _add_above(lines, item, inner, first=False)
-        _add(lines, _node(cast("Word | Bracket", item.body), inner, inner), inner)
+        _add(lines, _node(cast("Node", item.body), inner, inner), inner)
         _end_object(lines, item, last=item is objects[-1])
     return lines
 
@@ -113,14 +124,21 @@ def _end_object(lines: list[str], item: Item, *, last: bool) -> None:
     _beside(lines, item.beside)
 
 
-def _node(node: Word | Bracket, indent: int, column: int) -> list[str]:
+def _node(node: Node, indent: int, column: int) -> list[str]:
     """A node from ``column`` on: on one line, or opened with its closing bracket at ``indent``."""
     if isinstance(node, Word):
         return [node.text]
     flat = _flat(node)
     if flat is not None and _fits(flat, column):
         return [flat]
-    return _open(node, indent)
+    if isinstance(node, Bracket):
+        return _open(node, indent)
+    lines = _node(node.node, indent, column)
+    for note in node.notes:
+        first, *rest = _node(note, indent, _column(lines[-1]) + 1)
+        lines[-1] += f" {first}"
+        lines += rest
+    return lines
 
 
 def _open(bracket: Bracket, indent: int) -> list[str]:
@@ -132,40 +150,45 @@ def _open(bracket: Bracket, indent: int) -> list[str]:
             _add(lines, _property(item.body, inner, inner), inner)
             lines[-1] += " ;"
         else:
-            _add(lines, _node(cast("Word | Bracket", item.body), inner, inner), inner)
+            _add(lines, _node(cast("Node", item.body), inner, inner), inner)
         _beside(lines, item.beside)
     _add_remarks(lines, bracket.below, inner, first=not bracket.items)
-    lines.append(" " * indent + _CLOSING[bracket.opening])
+    lines.append(" " * indent + CLOSING[bracket.opening])
     return lines
 
 
-def _flat(node: Word | Bracket) -> str | None:
+def _flat(node: Node) -> str | None:
     """A node on one line; None if it has comments, or a line end of its own."""
     if isinstance(node, Word):
         return None if "\n" in node.text or "\r" in node.text else node.text
-    closing = _CLOSING[node.opening]
-    if node.broken or node.beside or node.below:
-        return None
-    parts = []
-    for item in node.items:
-        if item.above or item.beside:
-            return None
-        body = item.body
-        part = _flat_property(body) if isinstance(body, Property) else _flat(cast("Word | Bracket", body))
-        if part is None or (isinstance(body, Property) and body.broken):
-            return None
-        parts.append(part)
-    if not parts:
+    if isinstance(node, Annotated):
+        return _all(" ", map(_flat, (node.node, *node.notes)))
+    closing = CLOSING[node.opening]
+    if not node.items and not node.below and not node.beside:
         return node.opening + closing
-    return f"{node.opening} {(' ; ' if node.opening == '[' else ' ').join(parts)} {closing}"
+    if node.broken or node.beside or node.below or any(item.above or item.beside for item in node.items):
+        return None
+    inside = _all(" ; " if isinstance(node.items[0].body, Property) else " ", map(_flat_part, node.items))
+    return f"{node.opening} {inside} {closing}" if inside is not None else None
+
+
+def _flat_part(item: Item) -> str | None:
+    if isinstance(item.body, Property):
+        return None if item.body.broken else _flat_property(item.body)
+    return _flat(cast("Node", item.body))
+
+
+def _all(separator: str, parts: Iterable[str | None]) -> str | None:
+    """The parts on one line, if each of them is."""
+    known = list(parts)
+    return None if None in known else separator.join(cast("list[str]", known))
 
 
 def _flat_property(property_: Property) -> str | None:
     if property_.beside or any(item.above or item.beside for item in property_.objects):
         return None
-    parts = [_flat(cast("Word | Bracket", item.body)) for item in property_.objects]
-    words = [part for part in parts if part is not None]
-    return f"{property_.verb} {' , '.join(words)}" if len(words) == len(parts) else None
+    objects = _all(" , ", (_flat(cast("Node", item.body)) for item in property_.objects))
+    return None if objects is None else f"{property_.verb} {objects}"
 
 
 def _fits(text: str, column: int) -> bool:

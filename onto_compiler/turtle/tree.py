@@ -1,6 +1,6 @@
 """A Turtle file as the tree that its layout follows: statements, properties, brackets, and the comments beside them.
 
-Read only after Oxigraph has accepted the file. Source of the grammar: RDF 1.1 Turtle, section 6.5.
+Read only after Oxigraph has accepted the file. Source of the grammar: RDF 1.2 Turtle, section 6.5.
 """
 
 from __future__ import annotations
@@ -12,9 +12,27 @@ from onto_compiler.rdf import RDF
 from onto_compiler.turtle.remarks import END, Lexeme, Remark, lexemes
 from onto_compiler.turtle.tokens import Token
 
-__all__ = ["Bracket", "Directive", "Item", "Property", "Triples", "TurtleDocument", "Unknown", "Word", "read_document"]
+__all__ = [
+    "CLOSING",
+    "VERSION",
+    "Annotated",
+    "Bracket",
+    "Directive",
+    "Item",
+    "Node",
+    "Property",
+    "Triples",
+    "TurtleDocument",
+    "Unknown",
+    "Word",
+    "read_document",
+]
 
-_CLOSING: Final = {"[": "]", "(": ")"}
+CLOSING: Final = {"[": "]", "(": ")", "{|": "|}", "<<": ">>", "<<(": ")>>"}
+"""The end of each bracket: a bracketed node, a collection, an annotation, a reified triple and a triple term."""
+VERSION: Final = "@version"
+_OF_PROPERTIES: Final = frozenset(("[", "{|"))
+_OF_TRIPLE: Final = frozenset(("<<", "<<("))
 _ATOMS: Final = frozenset(("iri", "name", "blank", "number", "string"))
 
 
@@ -27,13 +45,21 @@ class Word:
 
 @dataclass(slots=True)
 class Bracket:
-    """``[`` with properties or ``(`` with nodes; ``broken`` says that it is written over several lines."""
+    """``[`` or ``{|`` with properties, else with nodes; ``broken`` says that it is written over several lines."""
 
     opening: str
     items: list[Item] = field(default_factory=list)
     broken: bool = False
     beside: str = ""  # the comment beside the opening bracket
     below: list[Remark] = field(default_factory=list)  # comments behind the last item
+
+
+@dataclass(slots=True)
+class Annotated:
+    """An object, and the reifiers (``~ ex:r``) and annotations of its triple."""
+
+    node: Word | Bracket
+    notes: list[Word | Bracket]
 
 
 @dataclass(slots=True)
@@ -48,7 +74,10 @@ class Property:
 
 @dataclass(frozen=True, slots=True)
 class Directive:
-    """A prefix, or with an empty ``name`` the base; ``iri`` with its angle brackets, ``name`` with its colon."""
+    """A prefix, or with an empty ``name`` the base; ``iri`` with its angle brackets, ``name`` with its colon.
+
+    Of a version the name is ``VERSION``, and its text stands, in quotation marks, for the IRI.
+    """
 
     name: str
     iri: str
@@ -63,7 +92,7 @@ class Triples:
     properties: list[Item]
 
 
-Node = Word | Bracket
+Node = Word | Bracket | Annotated
 
 
 @dataclass(slots=True)
@@ -86,7 +115,7 @@ class TurtleDocument:
 
 
 class Unknown(Exception):  # noqa: N818 - not an error to its callers, who make a problem of it
-    """A token that RDF 1.1 Turtle does not have at this place."""
+    """A token that Turtle does not have at this place."""
 
     def __init__(self, token: Token) -> None:
         super().__init__(token.text)
@@ -97,7 +126,7 @@ def read_document(text: str) -> TurtleDocument:
     """The tree of a Turtle text.
 
     Raises:
-        Unknown: the text holds what RDF 1.1 Turtle does not know, such as a triple term.
+        Unknown: the text holds what Turtle does not know.
 
     """
     reader = _Reader(list(lexemes(text)))
@@ -181,7 +210,7 @@ class _Reader:
     def statement(self) -> Item:
         item = self.begin(Word(""))
         word = self.peek.token
-        if word.text in {"@prefix", "@base"} or (word.kind == "word" and word.text.upper() in {"PREFIX", "BASE"}):
+        if word.kind in {"at", "word"} and word.text.upper().removeprefix("@") in {"PREFIX", "BASE", "VERSION"}:
             item.body = self.directive()
             if word.kind == "at":
                 self.seal_dot(item)
@@ -204,7 +233,9 @@ class _Reader:
         if word.text.upper().endswith("PREFIX"):
             name = self.next().text
         iri = self.next().text
-        if name:
+        if word.text.upper().endswith("VERSION"):
+            name = VERSION
+        elif name:
             self.typed.discard(f"{name}type")
             if iri == f"<{RDF}>":
                 self.typed.add(f"{name}type")
@@ -212,7 +243,7 @@ class _Reader:
 
     def triples(self) -> Triples:
         subject = self.node()
-        bare = isinstance(subject, Bracket) and self.sees(".")
+        bare = isinstance(subject, Bracket) and subject.opening in {"[", "<<"} and self.sees(".")
         beside = "" if bare else self.beside()
         return Triples(subject, beside, [] if bare else self.properties())
 
@@ -220,10 +251,7 @@ class _Reader:
         found: list[Item] = []
         while True:
             item = self.begin(Word(""))
-            verb = self.next()
-            if verb.kind not in {"iri", "name"} and (verb.kind, verb.text) != ("word", "a"):
-                raise Unknown(verb)
-            text = "a" if verb.text in self.typed else verb.text
+            text = self.verb()
             beside = self.beside()
             objects = self.objects()
             item.body = Property(text, beside, objects, any(each.broken for each in objects[1:]))
@@ -231,21 +259,43 @@ class _Reader:
             if not self.seal(item, ";"):
                 item.beside = self.beside()
                 return found
-            if self.sees(".", "]"):
+            if self.sees(".", "]", "|}"):
                 return found
+
+    def verb(self) -> str:
+        verb = self.next()
+        if verb.kind not in {"iri", "name"} and (verb.kind, verb.text) != ("word", "a"):
+            raise Unknown(verb)
+        return "a" if verb.text in self.typed else verb.text
 
     def objects(self) -> list[Item]:
         found: list[Item] = []
         while True:
             item = self.begin(Word(""))
-            item.body = self.node()
+            item.body = node = self.node()
+            if notes := self.notes():
+                item.body = Annotated(node, notes)
             self.settle(item)
             found.append(item)
             if not self.seal(item, ","):
                 return found
 
-    def node(self) -> Node:
-        if self.sees("[", "("):
+    def notes(self) -> list[Word | Bracket]:
+        """What annotates the triple of the object before."""
+        found: list[Word | Bracket] = []
+        while self.sees("~", "{|"):
+            found.append(self.reifier() if self.sees("~") else self.bracket())
+        return found
+
+    def reifier(self) -> Word:
+        """``~`` and the name behind it, which may be left out."""
+        self.expect("~")
+        if self.peek.token.kind in {"iri", "name", "blank"}:
+            return Word(f"~ {self.next().text}")
+        return Word("~")
+
+    def node(self) -> Word | Bracket:
+        if self.sees("[", "(", *_OF_TRIPLE):
             return self.bracket()
         token = self.next()
         if token.kind not in _ATOMS and (token.kind, token.text) not in {("word", "true"), ("word", "false")}:
@@ -261,16 +311,25 @@ class _Reader:
     def bracket(self) -> Bracket:
         bracket = Bracket(self.next().text)
         bracket.beside = self.beside()
-        closing = _CLOSING[bracket.opening]
-        if bracket.opening == "[" and not self.sees(closing):
-            bracket.items = self.properties()
-        while bracket.opening == "(" and not self.sees(closing):
-            item = self.begin(Word(""))
-            item.body = self.node()
-            item.beside = self.beside()
-            self.settle(item)
-            bracket.items.append(item)
+        closing = CLOSING[bracket.opening]
+        if bracket.opening in _OF_PROPERTIES:
+            bracket.items = [] if self.sees(closing) else self.properties()
+        else:
+            while not self.sees(closing):
+                item = self.begin(Word(""))
+                item.body = self.part(bracket)
+                item.beside = self.beside()
+                self.settle(item)
+                bracket.items.append(item)
         bracket.broken = any(item.broken for item in bracket.items)
         bracket.below = self.above()
         self.expect(closing)
         return bracket
+
+    def part(self, bracket: Bracket) -> Word | Bracket:
+        """A member of a collection; of a triple its subject, verb, object or reifier."""
+        if bracket.opening not in _OF_TRIPLE:
+            return self.node()
+        if len(bracket.items) == 1:
+            return Word(self.verb())
+        return self.reifier() if self.sees("~") else self.node()

@@ -153,19 +153,53 @@ LITERALS = st.sampled_from(["1", "-2.50", "+3e4", "true", "false", *STRINGS]).fl
 )
 
 
+SHORT = LITERALS.filter(lambda words: words[0][:3] not in {'"""', "'''"})  # Oxigraph refuses long ones in triples
+TERMS = st.one_of(NAMES.map(lambda name: [name]), SHORT, st.just(["[]"]))
+DIRECTED = st.sampled_from((['"d"', "@en--ltr"], ["'e'", "@ar--rtl"]))
+REIFIERS = st.sampled_from((["~"], ["~", "ex:r"], ["~", "_:x"], ["~", "<https://example.org/r>"]))
+INNER_SUBJECTS = st.one_of(NAMES.map(lambda name: [name]), st.just(["[]"]))
+
+
+def triple(opening, closing, objects, ends):
+    parts = st.tuples(INNER_SUBJECTS, VERBS.map(lambda verb: [verb]), objects, ends)
+    return parts.map(lambda found: [opening, *chain.from_iterable(found), closing])
+
+
+TRIPLE_TERMS = st.recursive(
+    triple("<<(", ")>>", TERMS, st.just([])), lambda inner: triple("<<(", ")>>", inner, st.just([])), max_leaves=3
+)
+REIFIED = st.recursive(
+    triple("<<", ">>", st.one_of(TERMS, TRIPLE_TERMS), st.one_of(st.just([]), REIFIERS)),
+    lambda inner: triple("<<", ">>", inner, st.one_of(st.just([]), REIFIERS)),
+    max_leaves=3,
+)
+
+
 def joined(parts: list[list[str]], mark: str) -> list[str]:
     return parts[0] + [word for part in parts[1:] for word in (mark, *part)]
 
 
 def properties(nodes: st.SearchStrategy[list[str]]) -> st.SearchStrategy[list[str]]:
-    objects = st.lists(nodes, min_size=1, max_size=3).map(lambda found: joined(found, ","))
+    annotation = st.lists(st.tuples(VERBS, TERMS).map(lambda pair: [pair[0], *pair[1]]), min_size=1, max_size=2)
+    block = annotation.map(lambda found: ["{|", *joined(found, ";"), "|}"])
+    notes = st.lists(st.one_of(REIFIERS, block), max_size=2).map(lambda found: list(chain.from_iterable(found)))
+    annotated = st.tuples(nodes, st.one_of(st.just([]), notes)).map(lambda pair: [*pair[0], *pair[1]])
+    objects = st.lists(annotated, min_size=1, max_size=3).map(lambda found: joined(found, ","))
     one = st.tuples(VERBS, objects).map(lambda pair: [pair[0], *pair[1]])
     ends = st.sampled_from(([], [";"], [";", ";"]))
     return st.tuples(st.lists(one, min_size=1, max_size=3), ends).map(lambda pair: joined(pair[0], ";") + pair[1])
 
 
 NODES = st.recursive(
-    st.one_of(NAMES.map(lambda name: [name]), LITERALS, st.just(["[", "]"]), st.just(["(", ")"])),
+    st.one_of(
+        NAMES.map(lambda name: [name]),
+        LITERALS,
+        st.just(["[", "]"]),
+        st.just(["(", ")"]),
+        DIRECTED,
+        TRIPLE_TERMS,
+        REIFIED,
+    ),
     lambda inner: st.one_of(
         st.lists(inner, max_size=3).map(lambda items: ["(", *(word for item in items for word in item), ")"]),
         properties(inner).map(lambda items: ["[", *items, "]"]),
@@ -178,6 +212,9 @@ STATEMENTS = st.one_of(
     st.tuples(NAMES.map(lambda name: [name]), properties(NODES)).map(lambda pair: [*pair[0], *pair[1], "."]),
     properties(NODES).map(lambda items: ["[", *items, "]", "."]),
     properties(NODES).flatmap(lambda items: properties(NODES).map(lambda more: ["[", *items, "]", *more, "."])),
+    REIFIED.map(lambda words: [*words, "."]),
+    st.tuples(REIFIED, properties(NODES)).map(lambda pair: [*pair[0], *pair[1], "."]),
+    st.sampled_from((["@version", '"1.2"', "."], ["VERSION", "'1.2'"])),
     st.sampled_from((["@prefix", "new:", "<n#>", "."], ["PREFIX", "ex:", "<https://example.org/>"])),
     st.sampled_from((["@base", "<https://example.com/>", "."], ["prefix", "b:", "<https://example.com/b>"])),
 )
@@ -200,6 +237,64 @@ def test_whatever_is_written_keeps_graph_and_comments_and_formatting_twice_is_fo
     assert graph(once) == graph(text)
     assert comments(once) == comments(text)
     assert format_turtle(once, HERE) == once
+
+
+NEW = """\
+# head
+@prefix ex:<https://example.org/>.
+# the language
+VERSION "1.2" # of this file
+PREFIX rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#>
+<<ex:cup ex:on ex:table~ex:r>>ex:said ex:ann.
+<< ex:cup rdf:type ex:Cup >> .
+ex:ann ex:claims <<( ex:cup ex:on # what
+  ex:table )>> ; ex:name "آن"@ar--rtl ; ex:sees ex:cup ~ ex:s {| ex:when 3 ;
+  # how sure
+  ex:sure 0.5 |}, ex:table ~ _:x, ex:chair {| ex:when <<( ex:a ex:b <<( ex:c a "x"@en )>>)>> |} ~ {| ex:p 1 |} .
+"""
+LAID_OUT = """\
+# head
+# the language
+@version "1.2" .  # of this file
+@prefix ex: <https://example.org/> .
+@prefix rdf: <http://www.w3.org/1999/02/22-rdf-syntax-ns#> .
+
+<< ex:cup ex:on ex:table ~ ex:r >> ex:said ex:ann .
+<< ex:cup a ex:Cup >> .
+ex:ann ex:claims <<(
+        ex:cup
+        ex:on  # what
+        ex:table
+    )>> ;
+    ex:name "آن"@ar--rtl ;
+    ex:sees ex:cup ~ ex:s {|
+            ex:when 3 ;
+            # how sure
+            ex:sure 0.5 ;
+        |} ,
+        ex:table ~ _:x ,
+        ex:chair {| ex:when <<( ex:a ex:b <<( ex:c a "x"@en )>> )>> |} ~ {| ex:p 1 |} .
+"""
+
+
+def test_what_turtle_1_2_adds_is_laid_out():
+    assert format_turtle(NEW, HERE) == LAID_OUT
+    assert format_turtle(LAID_OUT, HERE) == LAID_OUT
+    assert graph(NEW) == graph(LAID_OUT)
+    assert comments(NEW) == comments(LAID_OUT)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '@version "1.2" .\nex:a ex:b ex:c .\n@version "1.1" .\n',
+        "ex:a ex:b <<( ex:c ex:d <<( ex:e ex:f 1 )>> )>> .\n",
+        "<< << ex:a ex:b ex:c >> ex:d ex:e ~ ex:f >> .\n",
+    ],
+)
+def test_what_is_laid_out_stays(text):
+    whole = f"{PREFIXES}\n{text}" if not text.startswith("@") else text.replace("\n", f"\n{PREFIXES}", 1)
+    assert format_turtle(whole, HERE) == whole
 
 
 @given(st.lists(st.text("abc", min_size=1, max_size=40), min_size=1, max_size=12), st.sampled_from("[(,"))
@@ -286,10 +381,6 @@ def test_a_syntax_error_is_told_as_onto_check_tells_it_and_the_file_is_left_alon
     [
         ("latin.ttl", b"# caf\xe9\n", "TTL002"),
         ("gone.ttl", None, "TTL002"),
-        ("new.ttl", b"@prefix ex: <https://example.org/> . ex:a ex:b <<( ex:c ex:d ex:e )>> .", "FMT001"),
-        ("newer.ttl", b"@prefix ex: <https://example.org/> . ex:a ex:b ex:c {| ex:d ex:e |} .", "FMT001"),
-        ("newest.ttl", b'@prefix ex: <https://example.org/> . ex:a ex:b "c"@en--ltr .', "FMT001"),
-        ("version.ttl", b'VERSION "1.2"\n<https://example.org/a> a <https://example.org/b> .', "FMT001"),
     ],
 )
 def test_what_cannot_be_laid_out_is_left_alone(tmp_path, capsys, name, content, code):

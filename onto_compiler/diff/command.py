@@ -7,8 +7,6 @@ import re
 import sys
 from collections.abc import Iterator
 from dataclasses import asdict
-from difflib import unified_diff
-from textwrap import TextWrapper
 from typing import TYPE_CHECKING
 
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, print_json
@@ -69,6 +67,8 @@ def _text(found: Comparison) -> Iterator[str]:
 
 def _wrapped(line: str, first: str, rest: str) -> list[str]:
     """A line of text in the columns of a terminal; a word is never broken."""
+    from textwrap import TextWrapper  # noqa: PLC0415 - `onto --help` stays quick
+
     if len(first + line) <= _WIDTH:
         return [first + line]
     whole = TextWrapper(_WIDTH, first, rest, break_long_words=False, break_on_hyphens=False)
@@ -138,6 +138,8 @@ def _inline(change: Change, tick: str) -> str:
 
 def _differing(change: Change) -> Iterator[str]:
     """What was, each line behind a minus, and what is, behind a plus; of one text that became another, what differs."""
+    from difflib import unified_diff  # noqa: PLC0415 - as above
+
     if len(change.was) == len(change.now) == 1 and "\n" in change.was[0] + change.now[0]:
         lines = unified_diff(change.was[0].split("\n"), change.now[0].split("\n"), n=1, lineterm="")
         yield from ("..." if line.startswith("@@") else line for line in list(lines)[2:])

@@ -26,6 +26,10 @@ class Facet:
 
 
 _DCTERMS = PREFIXES["dcterms"]
+_NOTES = (
+    *("altLabel", "changeNote", "definition", "editorialNote", "example", "hiddenLabel", "historyNote", "note"),
+    *("prefLabel", "scopeNote"),
+)
 OTHER = Facet("other", "never")
 WORDING = Facet("wording", "never")  # of a shape's message, or the same number in other digits
 HEADER = frozenset({OWL + "versionInfo", OWL + "versionIRI", OWL + "priorVersion"})
@@ -67,7 +71,7 @@ FACETS: Mapping[str, Facet] = {
     **{SH + name: Facet("shape", "more") for name in ("property", "sparql", "class", "datatype", "nodeKind", "not")},
     **{SH + name: Facet("shape", "more") for name in ("and", "or", "xone", "node", "in", "hasValue", "pattern")},
     **{SH + name: Facet("shape", "more") for name in ("targetClass", "targetNode", "targetSubjectsOf")},
-    **{SKOS + name: _DOCUMENTATION for name in ("definition", "example", "editorialNote", "scopeNote", "note")},
+    **{SKOS + name: _DOCUMENTATION for name in _NOTES},
     **{RDFS + name: _DOCUMENTATION for name in ("label", "comment", "seeAlso", "isDefinedBy")},
     **{_DCTERMS + name: _DOCUMENTATION for name in ("title", "description", "creator", "license", "modified")},
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import shlex
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -28,7 +27,9 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from onto_compiler.emit.artefacts import find_settings, fresh, sources_of, write_text  # noqa: PLC0415 - `onto --help` is quick
+    import shlex  # noqa: PLC0415 - `onto --help` is quick
+
+    from onto_compiler.emit.artefacts import find_settings, fresh, sources_of, write_text  # noqa: PLC0415
     from onto_compiler.emit.tbox import read_tbox  # noqa: PLC0415
 
     if options.emit:

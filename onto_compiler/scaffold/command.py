@@ -6,7 +6,6 @@ import argparse
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from shlex import quote
 from typing import TYPE_CHECKING
 
 from onto_compiler.command import CLEAN, Command
@@ -125,7 +124,9 @@ def _new(kind: str, name: WordedName, into: Path, options: Options) -> Iterable[
 
 
 def _next(kind: str, name: WordedName, into: Path) -> str:
-    from onto_compiler.scaffold.package import entry_point  # noqa: PLC0415 - as above
+    from shlex import quote  # noqa: PLC0415 - as above
+
+    from onto_compiler.scaffold.package import entry_point  # noqa: PLC0415
 
     wrote = f"wrote the {kind} `{name.snake}`; next: "
     if kind == "package":

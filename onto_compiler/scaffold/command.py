@@ -100,8 +100,9 @@ def _new(kind: str, name: WordedName, into: Path, options: Options) -> Iterable[
 
     if options.arity not in (1, 2):
         raise OntoError.of("NEW006", f"an arity of {options.arity} is not supported", "give --arity 1 or 2")
-    term = kind not in {"ontology", "task", "proposer", "package"} and into.suffix == ".ttl"
-    if into.exists() and not term:
+    term = kind not in {"ontology", "task", *_MODULES} or (kind == "grounding" and into.suffix == ".ttl")
+    empty = kind == "package" and into.is_dir() and not any(into.iterdir())
+    if into.exists() and not term and not empty:
         raise OntoError.of("NEW004", f"`{into}` exists already", "give another file with --into", str(into))
     if kind in {"grounding", "package"} and name.snake in {point.name for point in points(GROUNDINGS)}:
         message = f"a grounding function `{name.snake}` is registered already"

@@ -60,11 +60,5 @@ def package(name: WordedName, options: Options, folder: Path) -> Iterator[tuple[
 
 def _filled(template: str, name: WordedName, route: str) -> str:
     text = (files("onto_compiler.scaffold") / "files" / template).read_text("utf-8")
-    for old, new in (
-        ("in_line_missing_route", route),
-        ("in_line", name.snake),
-        ("InLine", name.camel),
-        ("in line", name.text),
-    ):
-        text = text.replace(old, new)
-    return text
+    new = {"in_line_missing_route": route, "in_line": name.snake, "InLine": name.camel, "in line": name.text}
+    return re.sub("|".join(new), lambda found: new[found[0]], text)  # all at once: a name may hold `in_line`

@@ -13,7 +13,7 @@ from onto_compiler.problems import clipped
 from onto_compiler.rdf import PREFIXES, RDF, RDFS, SH, XSD
 from onto_compiler.shacl.values import is_well_formed
 
-__all__ = ["Namespaces", "Sentence", "ShapeOf", "Term", "sentence", "show", "text_of"]
+__all__ = ["Namespaces", "Sentence", "ShapeOf", "Term", "prefixes_of", "sentence", "show", "text_of"]
 
 Term = NamedNode | BlankNode | Literal | Triple
 Namespaces = Iterable[tuple[str, str]]
@@ -50,7 +50,7 @@ def show(term: Term, namespaces: Namespaces = (), *, whole: bool = False) -> str
     namespaces = tuple(namespaces)
     match term:
         case NamedNode():
-            return _iri(term.value, _spaces(namespaces))
+            return _iri(term.value, prefixes_of(namespaces))
         case Literal():
             return _literal(term, namespaces, whole=whole)
         case Triple():
@@ -69,8 +69,8 @@ def sentence(said: Sentence, name: Callable[[Term], str], shape: Callable[[Term]
 
 
 @lru_cache(maxsize=64)
-def _spaces(namespaces: tuple[tuple[str, str], ...]) -> tuple[tuple[str, str], ...]:
-    """Every prefix once: a usual one is left out where ``namespaces`` uses its name for something else."""
+def prefixes_of(namespaces: tuple[tuple[str, str], ...]) -> tuple[tuple[str, str], ...]:
+    """What :func:`show` writes with: ``namespaces``, and each usual prefix whose name they leave free."""
     known: dict[str, str] = {}
     for prefix, namespace in (*namespaces, *_COMMON, *PREFIXES.items()):
         known.setdefault(prefix, namespace)

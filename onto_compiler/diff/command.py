@@ -31,6 +31,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 def _run(options: argparse.Namespace) -> int:
     from onto_compiler.diff.compare import compare  # noqa: PLC0415 - `onto --help` stays quick
     from onto_compiler.diff.sides import read_side  # noqa: PLC0415
+    from onto_compiler.terms import prefixes_of  # noqa: PLC0415
 
     found = compare(read_side(options.old), read_side(options.new))
     if options.format == "json":
@@ -38,7 +39,7 @@ def _run(options: argparse.Namespace) -> int:
             "ok": found.ok,
             "changes": [asdict(change) for change in found.changes],
             "releases": [asdict(release) for release in found.releases],
-            "prefixes": dict(found.prefixes),
+            "prefixes": dict(prefixes_of(found.prefixes)),
         })  # fmt: skip
     else:
         lines = _markdown(found) if options.format == "markdown" else _text(found)

@@ -18,6 +18,7 @@ from onto_compiler.terms import Namespaces, Term, show
 __all__ = ["Texts"]
 
 _TYPE: Final = RDF + "type"
+_NIL: Final = NamedNode(RDF + "nil")
 _DEEP: Final = 40  # brackets within brackets that are shown
 _MANY: Final = 5_000  # blank nodes of one value that are shown
 _ORDER: Final = {name: index for index, name in enumerate((_TYPE, SH + "path", OWL + "onProperty"))}
@@ -69,6 +70,8 @@ class Texts:
         if isinstance(term, Triple):
             triple = (self._turtle(part, depth + 1) for part in (term.subject, term.predicate, term.object))
             return f"<<( {' '.join(triple)} )>>"
+        if term == _NIL:
+            return "()"
         if not isinstance(term, BlankNode):
             return show(term, self.namespaces, whole=True)
         if self._spent(depth):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
@@ -42,17 +42,32 @@ def cached_check(
     key = _hash(*map(str, files), str(Path.cwd()), repr(settings))
     content = _hash(*(hashlib.sha256(file.read_bytes()).hexdigest() for file in files), *_registered())
     kept = cache.get(key)
-    if kept is not None and kept["content"] == content:
-        return Report(
-            tuple(Problem(**one) for one in kept["problems"]), tuple(map(Path, kept["files"])), kept["triples"]
-        )
+    if kept is not None and kept["content"] == content and kept["consulted"] == _contents(kept["consulted"]):
+        problems = tuple(Problem(**one) for one in kept["problems"])
+        consulted = tuple(map(Path, kept["consulted"]))
+        return Report(problems, tuple(map(Path, kept["files"])), kept["triples"], consulted=consulted)
     report = check(paths, texts, settings, step)
-    problems = [asdict(problem) for problem in report.problems]
-    shown = [str(file) for file in report.files]
-    cache.add({key: {"content": content, "problems": problems, "files": shown, "triples": report.triples}})
+    found = {
+        "content": content,
+        "problems": [asdict(problem) for problem in report.problems],
+        "files": [str(file) for file in report.files],
+        "triples": report.triples,
+        "consulted": _contents(map(str, report.consulted)),
+    }
+    cache.add({key: found})
     with suppress(OSError):  # a folder that cannot be written costs time, and nothing else
         cache.save()
     return report
+
+
+def _contents(files: Iterable[str]) -> dict[str, str]:
+    """The digest of each file; an empty one of a file that is not there."""
+    found = {}
+    for file in files:
+        found[file] = ""
+        with suppress(OSError, ValueError):
+            found[file] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
+    return found
 
 
 def _registered() -> list[str]:

@@ -10,16 +10,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from onto_compiler.check.formats import FORMATS, Checked, render
+from onto_compiler.check.formats import FORMATS
 from onto_compiler.command import CLEAN, FINDINGS, MISUSE, Command, add_format
-from onto_compiler.problems import OntoError, Problem, near
+from onto_compiler.problems import OntoError, Problem, near, render_all
 from onto_compiler.wording import counted
 
 if TYPE_CHECKING:
+    from onto_compiler.check.inputs import Inputs
     from onto_compiler.check.run import Report
     from onto_compiler.check.settings import Settings
 
 __all__ = ["CHECK", "EXPLAIN"]
+
+_STDIN = Path("-")
 
 
 def _configure_check(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +31,7 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         type=Path,
         metavar="PATH",
-        help="Turtle and BDDL files, or folders of them; without any, the shipped ontology",
+        help="Turtle and BDDL files, folders of them, globs, or - for standard input; without, the shipped ontology",
     )
     parser.add_argument(
         "--fail-on",
@@ -42,7 +45,8 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         default=[],
         type=Path,
         metavar="SHAPES",
-        help="validate PATH, data of any ontology in any RDF format, with these SHACL shapes and nothing else",
+        help="validate PATH, data of any ontology in any RDF format, with these SHACL shapes and nothing else; "
+        "a file, a folder or a glob in quotes",
     )
     parser.add_argument(
         "--import",
@@ -50,7 +54,7 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
         default=[],
         dest="imports",
         metavar="IRI=FILE",
-        help="with --shapes: the file to read where data or shapes import this IRI; nothing is ever fetched",
+        help="the file to read where a file imports this IRI; nothing is ever fetched",
     )
     parser.add_argument(
         "--reasoner",
@@ -73,12 +77,26 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--ignore", action="append", metavar="CODES", help="report everything but these codes, as for --select"
     )
+    parser.add_argument(
+        "--exclude",
+        action="append",
+        metavar="GLOB",
+        help="pass over these files in folders: *_old.ttl and vendor by name, lib/*.ttl as seen from here",
+    )
+    parser.add_argument(
+        "--stdin-filename", type=Path, metavar="FILE", help="the file that standard input, given as -, stands for"
+    )
     parser.add_argument("--no-cache", action="store_true", help="check large files again, even where nothing changed")
     kept = parser.add_mutually_exclusive_group()
     kept.add_argument("--baseline", type=Path, metavar="FILE", help="leave out the problems that this file holds")
     kept.add_argument("--write-baseline", type=Path, metavar="FILE", help="write all problems to this file")
     parser.add_argument("--exit-zero", action="store_true", help="exit with 0, whatever is found")
     parser.add_argument("--statistics", action="store_true", help="print how often each code is found, and no problems")
+    parser.add_argument("--quiet", action="store_true", help="print the problems, and nothing else")
+    parser.add_argument("--output-file", type=Path, metavar="FILE", help="write to this file, not to standard output")
+    parser.add_argument(
+        "--color", choices=("auto", "always", "never"), default="auto", help="colours in text (default: at a terminal)"
+    )
     acting = parser.add_mutually_exclusive_group()
     acting.add_argument("--fix", action="store_true", help="repair what is mechanical, in the files themselves")
     acting.add_argument("--diff", action="store_true", help="print what --fix would change, and change nothing")
@@ -92,85 +110,48 @@ def _check(arguments: argparse.Namespace) -> int:
     try:
         return _checked(arguments)
     except OntoError as error:  # whoever reads a format finds it in every case
-        sys.stdout.write(render(arguments.format, Checked(error.problems, (), arguments.fail_on)))
-        raise
+        from onto_compiler.check.output import print_problems  # noqa: PLC0415 - `onto --help` stays quick
+
+        print_problems(arguments, error.problems)
+        sys.stderr.write(render_all(error.problems))
+        return MISUSE
 
 
 def _checked(arguments: argparse.Namespace) -> int:
-    paths: Sequence[Path] = arguments.paths
-    imports = _imports(arguments)
-    missing = [path for path in (*paths, *arguments.shapes, *imports.values()) if not path.exists()]
-    for path in missing:
-        _log(f"onto check: `{path}` does not exist")
-    if missing:
-        hint = "give an existing file, or a folder that holds some"
-        found = (Problem(str(path), 0, 0, "TTL002", "error", f"`{path}` does not exist", hint) for path in missing)
-        if arguments.format != "text":
-            sys.stdout.write(render(arguments.format, Checked(tuple(sorted(found)), (), arguments.fail_on)))
-        return MISUSE
+    _refuse_combinations(arguments)
     if arguments.report is not None:
         _refuse_report(arguments)
-    if (arguments.fix or arguments.diff) and not paths:
-        raise OntoError.of("CLI002", "the shipped ontology is not repaired in place", "say which files to repair")
-    if arguments.shapes and (arguments.fix or arguments.diff):
-        raise OntoError.of("CLI002", "data are not repaired by shapes", "leave out --fix and --diff, or --shapes")
-    if arguments.shapes and not paths:
-        raise OntoError.of("CLI002", "--shapes is given without data", "say which files to validate")
+    mapped = _mapped(arguments)
     if arguments.watch:
-        return _watch(arguments)
-    return _fix(arguments) if arguments.fix or arguments.diff else _once(arguments)
+        return _watch(arguments, mapped)
+    return _once(arguments, mapped)[0]
 
 
-def _once(arguments: argparse.Namespace) -> int:
-    from onto_compiler.check.progress import progress  # noqa: PLC0415 - `onto --help` stays quick
-    from onto_compiler.check.run import check  # noqa: PLC0415 - as above
-    from onto_compiler.check.tasks import check_all  # noqa: PLC0415 - as above
-
-    begin = time.perf_counter()
-    settings = _settings(arguments)
-    with progress() as step:
-        if arguments.shapes:
-            from onto_compiler.check.data import check_data  # noqa: PLC0415
-
-            report = check_data(arguments.paths, arguments.shapes, _imports(arguments))
-            report = replace(report, problems=tuple(sorted(settings.chosen(report.problems))))
-        else:
-            from onto_compiler.check.cached import cached_check  # noqa: PLC0415
-
-            run = check if arguments.no_cache else cached_check
-            report = check_all(arguments.paths, settings=settings, step=step, run=run)
-        if arguments.reasoner == "hermit" and not arguments.shapes:
-            from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
-
-            report = with_hermit(report, arguments.paths)
-    if arguments.report is not None and report.validation is not None:
-        from onto_compiler.check.report import write_report  # noqa: PLC0415 - as above
-
-        try:
-            write_report(arguments.report, report.validation)
-        except OntoError as error:  # what was found is printed all the same
-            _print(arguments, replace(report, problems=(*report.problems, *error.problems)), begin)
-            return MISUSE
-    return _print(arguments, report, begin)
-
-
-def _imports(arguments: argparse.Namespace) -> dict[str, Path]:
-    """The files that ``--import`` gives, by the IRI that each is imported by."""
-    found = {}
-    for given in arguments.imports:
-        iri, equals, file = given.rpartition("=")
-        if not (iri and equals and file):
-            hint = "write --import http://example.org/ontology=FILE"
-            raise OntoError.of("CLI002", f"`{given}` is no IRI=FILE", hint)
-        found[iri] = Path(file)
-    if found and not arguments.shapes:
-        raise OntoError.of("CLI002", "--import is given without --shapes", "say which shapes to validate with")
-    return found
+def _refuse_combinations(arguments: argparse.Namespace) -> None:
+    """Say which options do not go together."""
+    repairing = arguments.fix or arguments.diff
+    given = (*arguments.paths, *arguments.shapes)
+    if repairing and not arguments.paths:
+        raise OntoError.of("CLI002", "the shipped ontology is not repaired in place", "say which files to repair")
+    if arguments.shapes and repairing:
+        raise OntoError.of("CLI002", "data are not repaired by shapes", "leave out --fix and --diff, or --shapes")
+    if arguments.shapes and not arguments.paths:
+        raise OntoError.of("CLI002", "--shapes is given without data", "say which files to validate")
+    if _STDIN in given:
+        if repairing or arguments.watch or arguments.reasoner == "hermit":
+            message = "standard input is not repaired, watched or given to HermiT"
+            raise OntoError.of("CLI002", message, "give a file instead of `-`")
+        if given.count(_STDIN) > 1:
+            raise OntoError.of(
+                "CLI002", "standard input is read once, and `-` is given twice", "give one of them a file"
+            )
+    elif arguments.stdin_filename is not None:
+        raise OntoError.of("CLI002", "--stdin-filename is given without `-`", "write `-` where the paths are")
 
 
 def _refuse_report(arguments: argparse.Namespace) -> None:
     """Say why ``--report`` cannot be written, before anything is validated."""
-    from onto_compiler.check.report import ENDINGS  # noqa: PLC0415
+    from onto_compiler.check.report import ENDINGS  # noqa: PLC0415 - as above
 
     if not arguments.shapes:
         raise OntoError.of("CLI002", "--report is given without --shapes", "say which shapes to validate with")
@@ -179,138 +160,171 @@ def _refuse_report(arguments: argparse.Namespace) -> None:
         raise OntoError.of("CLI002", f"`{arguments.report}` has no ending that says how to write it", hint)
 
 
-def _beyond_baseline(arguments: argparse.Namespace, problems: Sequence[Problem]) -> tuple[Problem, ...]:
-    """What is left to report, where a baseline is read or written."""
-    from onto_compiler.check.baseline import beyond, read_baseline, write_baseline  # noqa: PLC0415 - as above
+def _mapped(arguments: argparse.Namespace) -> tuple[tuple[str, Path], ...]:
+    """The files that ``--import`` gives, each behind the IRI that it is imported by."""
+    found = []
+    for given in arguments.imports:
+        iri, equals, file = given.rpartition("=")
+        if not (iri and equals and file):
+            hint = "write --import http://example.org/ontology=FILE"
+            raise OntoError.of("CLI002", f"`{given}` is no IRI=FILE", hint)
+        if not Path(file).exists():
+            raise OntoError.of("TTL002", f"`{file}` does not exist", f"give an existing file for `{iri}`", file)
+        found.append((iri, Path(file)))
+    return tuple(found)
 
-    if arguments.write_baseline is not None:
-        number = write_baseline(arguments.write_baseline, problems)
-        _log(f"wrote {counted(number, 'problem')} to {_shown(arguments.write_baseline)}")
+
+def _once(arguments: argparse.Namespace, mapped: tuple[tuple[str, Path], ...]) -> tuple[int, tuple[Path, ...]]:
+    """Check once; return the exit code, and the files whose change asks for another check."""
+    from onto_compiler.check.documents import ENDINGS  # noqa: PLC0415 - as above
+    from onto_compiler.check.inputs import expanded, read_stdin, without_excluded  # noqa: PLC0415 - as above
+    from onto_compiler.check.output import print_report  # noqa: PLC0415 - as above
+    from onto_compiler.check.settings import FILES  # noqa: PLC0415 - as above
+    from onto_compiler.check.tasks import ENDINGS as WRITTEN  # noqa: PLC0415 - as above
+
+    begin = time.perf_counter()
+    texts = read_stdin((*arguments.paths, *arguments.shapes), arguments.stdin_filename)
+    inputs, shapes = expanded(arguments.paths, texts), expanded(arguments.shapes, texts)
+    settings = replace(_settings(arguments, inputs.paths), mapped=mapped)
+    endings = ENDINGS if arguments.shapes else WRITTEN
+    inputs, shapes = (without_excluded(one, settings, tuple(endings)) for one in (inputs, shapes))
+    missing = (*inputs.problems, *shapes.problems)
+    if shapes.problems or (missing and not inputs.paths):
+        raise OntoError(*missing)
+    if arguments.diff:
+        return _diff(inputs, settings), ()
+    if arguments.fix:
+        report = _fix(inputs, settings)
+    elif arguments.shapes:
+        report = _validate(inputs, shapes, settings)
+    else:
+        report = _report(arguments, inputs, settings)
+    failed = _write_report(arguments, report)
+    report = replace(report, problems=tuple(sorted((*report.problems, *missing, *failed))))
+    code = print_report(arguments, report, begin, inputs)
+    watched = (*inputs.paths, *shapes.paths, *report.consulted, *(settings.root / name for name in FILES))
+    return (MISUSE if missing or failed else code), watched
+
+
+def _report(arguments: argparse.Namespace, inputs: Inputs, settings: Settings) -> Report:
+    from onto_compiler.check.cached import cached_check  # noqa: PLC0415 - as above
+    from onto_compiler.check.progress import progress  # noqa: PLC0415 - as above
+    from onto_compiler.check.run import check  # noqa: PLC0415 - as above
+    from onto_compiler.check.tasks import check_all  # noqa: PLC0415 - as above
+
+    with progress() as step:
+        run = check if arguments.no_cache else cached_check
+        report = check_all(inputs.paths, inputs.texts, settings, step, run)
+        if arguments.reasoner == "hermit":
+            from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
+
+            report = with_hermit(report, inputs.paths, imported=settings.imported)
+    return report
+
+
+def _validate(inputs: Inputs, shapes: Inputs, settings: Settings) -> Report:
+    from onto_compiler.check.data import check_data  # noqa: PLC0415 - as above
+    from onto_compiler.check.progress import progress  # noqa: PLC0415 - as above
+
+    with progress():
+        report = check_data(inputs.paths, shapes.paths, dict(settings.mapped), dict(settings.imports), inputs.texts)
+    return replace(report, problems=tuple(sorted(settings.chosen(report.problems))))
+
+
+def _write_report(arguments: argparse.Namespace, report: Report) -> tuple[Problem, ...]:
+    """Write what ``--report`` asks for; what is wrong is returned, as the problems are printed all the same."""
+    if arguments.report is None or report.validation is None:
         return ()
-    if arguments.baseline is not None:
-        return tuple(beyond(arguments.baseline, read_baseline(arguments.baseline), problems))
-    return tuple(problems)
+    from onto_compiler.check.report import write_report  # noqa: PLC0415 - as above
+
+    try:
+        write_report(arguments.report, report.validation)
+    except OntoError as error:
+        return error.problems
+    return ()
 
 
-def _settings(arguments: argparse.Namespace) -> Settings:
+def _settings(arguments: argparse.Namespace, paths: Sequence[Path]) -> Settings:
     """Those of the nearest file, and what the command line says instead."""
-    from onto_compiler.check.settings import parse_codes, read_settings  # noqa: PLC0415 - as above
+    from onto_compiler.check.settings import anchored, parse_codes, read_settings  # noqa: PLC0415 - as above
 
     def codes(given: Sequence[str]) -> tuple[str, ...]:
         return parse_codes(code for one in given for code in one.split(",") if code.strip())
 
-    settings = read_settings(arguments.paths)
+    settings = read_settings(paths)
     if arguments.select is not None:
         settings = replace(settings, select=codes(arguments.select))
     if arguments.ignore is not None:
         settings = replace(settings, ignore=codes(arguments.ignore))
+    if arguments.exclude is not None:
+        settings = replace(settings, exclude=anchored(arguments.exclude, Path.cwd()))
     return settings
 
 
-def _print(arguments: argparse.Namespace, report: Report, begin: float) -> int:
-    left = _beyond_baseline(arguments, report.problems)
-    problems = tuple(_relative(problem) for problem in left)
-    repaired = {}
-    if arguments.format == "sarif" and arguments.paths and not arguments.shapes:
-        from onto_compiler.check.fix import repairs  # noqa: PLC0415 - only this format has them
+def _diff(inputs: Inputs, settings: Settings) -> int:
+    from onto_compiler.check.fix import diff, fix  # noqa: PLC0415 - as above
+    from onto_compiler.check.output import log, shown  # noqa: PLC0415 - as above
 
-        repaired = {_relative(problem): repair for problem, repair in repairs(report, arguments.paths).items()}
-    files = tuple(_shown(path) for path in report.files)
-    checked = Checked(problems, files, arguments.fail_on, repairs=repaired)
-    if arguments.statistics:
-        sys.stdout.write(_statistics(problems))
-    else:
-        sys.stdout.write(render(arguments.format, checked))
-    if problems:
-        _log(_summary(problems))
-    else:
-        seconds = time.perf_counter() - begin
-        number = counted(len(report.files), "file")
-        _log(f"no problem found in {number} ({report.triples:,} triples), {seconds:.2f} s")
-    return FINDINGS if checked.failures and not arguments.exit_zero else CLEAN
+    fixed = fix(inputs.paths, settings)
+    sys.stdout.write(diff(fixed, {path: shown(path) for path in fixed.after}))
+    log(f"{counted(len(fixed.edits), 'repair')} in {counted(len(fixed.after), 'file')} would be made")
+    return FINDINGS if fixed.edits else CLEAN
 
 
-def _statistics(problems: Sequence[Problem]) -> str:
-    """One line for each code and severity: how often, and the first message; the most frequent first."""
-    found: dict[tuple[str, str], list[str]] = {}
-    for problem in problems:
-        found.setdefault((problem.code, problem.severity), []).append(problem.message)
-    rows = sorted(found.items(), key=lambda row: (-len(row[1]), row[0]))
-    return "".join(f"{len(said):>7,}  {code}  {severity:<7}  {said[0]}\n" for (code, severity), said in rows)
+def _fix(inputs: Inputs, settings: Settings) -> Report:
+    from onto_compiler.check.fix import fix, write  # noqa: PLC0415 - as above
+    from onto_compiler.check.output import log, shown  # noqa: PLC0415 - as above
 
-
-def _fix(arguments: argparse.Namespace) -> int:
-    from onto_compiler.check.fix import diff, fix, write  # noqa: PLC0415 - as above
-
-    begin = time.perf_counter()
-    fixed = fix(arguments.paths, _settings(arguments))
-    if arguments.diff:
-        sys.stdout.write(diff(fixed, {path: _shown(path) for path in fixed.after}))
-        _log(f"{counted(len(fixed.edits), 'repair')} in {counted(len(fixed.after), 'file')} would be made")
-        return FINDINGS if fixed.edits else CLEAN
+    fixed = fix(inputs.paths, settings)
     write(fixed)
     for edit in fixed.edits:
-        place = f"{_shown(edit.problem.file)}:{edit.problem.line}:{edit.problem.column}"
-        _log(f"{place}: {edit.done} [{edit.problem.code}]")
-    return _print(arguments, fixed.report, begin)
+        place = f"{shown(edit.problem.file)}:{edit.problem.line}:{edit.problem.column}"
+        log(f"{place}: {edit.done} [{edit.problem.code}]")
+    return fixed.report
 
 
-def _watch(arguments: argparse.Namespace) -> int:
+def _watch(arguments: argparse.Namespace, mapped: tuple[tuple[str, Path], ...]) -> int:
     import ontology  # noqa: PLC0415 - as above
-    from onto_compiler.check.watch import changes  # noqa: PLC0415
+    from onto_compiler.check.output import log, shown  # noqa: PLC0415 - as above
+    from onto_compiler.check.watch import changes  # noqa: PLC0415 - as above
 
     code = CLEAN
+    watched = [*arguments.paths, *arguments.shapes] or [ontology.ROOT]
     try:
-        for changed in changes([*arguments.paths, *arguments.shapes] or [ontology.ROOT]):
+        for changed in changes(watched):
             if changed:
-                _log(f"\n{', '.join(_shown(path.resolve()) for path in changed)} changed")
-            code = _once(arguments)
+                log(f"\n{', '.join(shown(path.resolve()) for path in changed)} changed")
+            try:
+                code, more = _once(arguments, mapped)
+                watched += more
+            except OntoError as error:  # the next change may mend it
+                code = MISUSE
+                sys.stderr.write(render_all(error.problems))
             sys.stdout.flush()
-            _log("watching; Ctrl-C ends")
+            log("watching; Ctrl-C ends")
     except KeyboardInterrupt:
-        _log("")
+        log("")
     return code
 
 
-def _log(message: str) -> None:
-    sys.stderr.write(message + "\n")
-
-
-def _relative(problem: Problem) -> Problem:
-    """The problem with its file as people see it."""
-    return replace(problem, file=_shown(problem.file)) if problem.file else problem
-
-
-def _shown(file: Path | str) -> str:
-    """The path of a file, relative to the working directory if it is below it."""
-    try:
-        return str(Path(file).relative_to(Path.cwd()))
-    except ValueError:
-        return str(file)
-
-
-def _summary(problems: Sequence[Problem]) -> str:
-    kinds = {"error": 0, "warning": 0, "note": 0}
-    for problem in problems:
-        kinds["note" if problem.severity == "info" else problem.severity] += 1
-    detail = ", ".join(counted(number, kind) for kind, number in kinds.items() if number)
-    files = counted(len({problem.file for problem in problems}), "file")
-    found = len(problems) - kinds["note"]
-    return f"{counted(found, 'problem')} ({detail}) in {files}" if found else f"no problem found, {detail} in {files}"
-
-
 def _configure_explain(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("code", metavar="CODE", help="the code of a problem, e.g. VOC001")
+    parser.add_argument(
+        "code", nargs="?", metavar="CODE", help="the code of a problem, e.g. VOC001; without, all codes"
+    )
 
 
 def _explain(arguments: argparse.Namespace) -> int:
-    from onto_compiler.check.pages import codes, page  # noqa: PLC0415 - as above
+    from onto_compiler.check.pages import codes, page, titles  # noqa: PLC0415 - as above
 
-    code = str(arguments.code).upper()
+    if arguments.code is None:
+        sys.stdout.write("".join(f"{code:<8}  {title}\n" for code, title in titles().items()))
+        return CLEAN
+    code = str(arguments.code).strip().upper()
     text = page(code)
     if text is None:
         hint = near(code, codes())
-        _log(f"onto explain: `{arguments.code}` is no code of a problem; {hint}".rstrip("; "))
+        hint = hint or "`onto explain` lists all codes"
+        sys.stderr.write(f"onto explain: `{arguments.code}` is no code of a problem; {hint}\n")
         return MISUSE
     sys.stdout.write(text.rstrip() + "\n")
     return CLEAN

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
+from pyoxigraph import NamedNode
+
 from onto_compiler.check.catalog import NAME
 from onto_compiler.check.documents import ENDINGS, HINT, Document, read_document
 from onto_compiler.check.imports import Imports
@@ -16,6 +18,8 @@ from onto_compiler.check.query_terms import undeclared_in_queries
 from onto_compiler.check.run import Report, Validated
 from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
+from onto_compiler.rdf import SH
+from onto_compiler.reasoning.axioms import TYPE
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
 from onto_compiler.shacl.rules import infer
@@ -27,29 +31,38 @@ __all__ = ["ENDINGS", "Document", "check_data"]
 
 
 def check_data(
-    paths: Sequence[Path | str], shapes: Sequence[Path | str], imports: Mapping[str, Path] | None = None
+    paths: Sequence[Path | str],
+    shapes: Sequence[Path | str],
+    imports: Mapping[str, Path] | None = None,
+    known_imports: Mapping[str, Path] | None = None,
+    texts: Mapping[Path, str] | None = None,
 ) -> Report:
     """Validate the data of ``paths`` with the shapes of ``shapes``; files, or folders of them, and what they import.
 
-    A file that cannot be read is a problem as any other; nothing is then validated. ``imports`` are files by the
-    IRIs that they are imported by.
+    A file that cannot be read is a problem as any other. Without one of the shapes nothing is validated; without one of
+    the data the others are, and where a value has no class at all, no shape asks for it. ``imports`` are files by the
+    IRIs that they are imported by, each of which must be imported; ``known_imports`` are such files that need not be.
+    ``texts`` holds what some files (by resolved path) are to be, where that is not what is on disk.
 
     Raises:
         OntoError: CLI002 if no shape has a target.
 
     """
-    problems: list[Problem] = []
-    data = _documents(paths, problems)
-    known = _documents(shapes, problems)
-    files = tuple(dict.fromkeys(document.path for document in data))
-    lead = Imports(imports or {})
+    unreadable: list[Problem] = []
+    data = _documents(paths, unreadable, texts or {})
+    broken: list[Problem] = []
+    known = _documents(shapes, broken, texts or {})
+    files = tuple(dict.fromkeys([*(document.path for document in data), *_files_of(unreadable)]))
+    lead = Imports({**(known_imports or {}), **(imports or {})})
     lead.declare((*data, *known))
-    try:
-        data, known = lead.closed(data), lead.closed(known)
-    except OntoError as error:
-        problems += error.problems
-    if problems:
-        return Report(tuple(sorted(problems)), tuple(dict.fromkeys(Path(problem.file) for problem in problems)), 0)
+    known = lead.closed(known)
+    broken += lead.unreadable
+    data = lead.closed(data)
+    unreadable += lead.unreadable
+    consulted = tuple(sorted(lead.consulted))
+    if broken or not data:
+        faulty = tuple(sorted({*unreadable, *broken}))
+        return Report(faulty, _files_of(faulty), 0, consulted=consulted)
     graph = _graph(data)
     known_graph = _graph(known)
     faults = misspelt(known_graph)
@@ -62,25 +75,41 @@ def check_data(
     written = len(graph)
     infer(graph, compiled.graph, faults)
     results = validate_graph(graph, compiled, faults)
-    problems += (*lead.problems, *lead.unused())
+    problems = [*unreadable, *lead.problems, *lead.missing(), *lead.unused(imports or {})]
     if results or faults or remarks:
         from onto_compiler.check.data_places import place  # noqa: PLC0415 - a clean run needs no places
 
-        problems += place(data, known, results, faults, remarks)
-    return Report(tuple(sorted(set(problems))), files, written, Validated(results, compiled.graph, not faults))
+        placed = place(data, known, results, faults, remarks)
+        problems += (one for one in placed if not (unreadable and _lacks_a_class(one, graph)))
+    validated = Validated(results, compiled.graph, not (faults or unreadable))
+    return Report(tuple(sorted(set(problems))), files, written, validated, consulted)
+
+
+def _files_of(problems: Iterable[Problem]) -> tuple[Path, ...]:
+    return tuple(dict.fromkeys(Path(problem.file) for problem in problems))
+
+
+def _lacks_a_class(problem: Problem, graph: Graph) -> bool:
+    """Whether a shape misses the class of a term, of which a file that was not read may have said it."""
+    result = problem.result or {}
+    component = result.get("sourceConstraintComponent", {}).get("value", "")
+    value = result.get("value", {})
+    if component != f"{SH}ClassConstraintComponent" or value.get("type") != "uri":
+        return False
+    return not graph.objects(NamedNode(value["value"]), TYPE)
 
 
 def _graph(documents: Iterable[Document]) -> Graph:
     return Graph(statement for document in documents for statement in document.statements)
 
 
-def _documents(paths: Sequence[Path | str], problems: list[Problem]) -> list[Document]:
+def _documents(paths: Sequence[Path | str], problems: list[Problem], texts: Mapping[Path, str]) -> list[Document]:
     """Every file of ``paths``; what cannot be read is appended to ``problems``."""
     read: dict[Path, Document] = {}
     for path in (actual(file) for given in map(Path, paths) for file in _files(given, problems)):
         try:
             if path not in read:
-                read[path] = read_document(path)
+                read[path] = read_document(path, texts.get(path))
         except OntoError as error:
             problems += error.problems
     return list(read.values())

@@ -26,7 +26,7 @@ from onto_compiler.shacl.severity import level
 from onto_compiler.shacl.validate import validate_graph
 from onto_compiler.shacl.wellformed import misspelt
 from onto_compiler.terms import sentence, show
-from onto_compiler.turtle.source_map import Located, SourceMap, read_map
+from onto_compiler.turtle.source_map import Located, SourceMap
 from onto_compiler.turtle.tokens import SourceText
 
 __all__ = ["place"]
@@ -72,7 +72,7 @@ class _Spot:
 
 def _map(document: Document) -> SourceMap | None:
     try:
-        return read_map(document.path) if document.has_places else None
+        return document.source_map() if document.has_places else None
     except RecursionError:  # brackets nested deeper than the walker goes
         return None
 

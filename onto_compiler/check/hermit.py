@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from pyoxigraph import NamedNode
 
 from onto_compiler.check.finding import Finding
+from onto_compiler.check.imports import Imports
 from onto_compiler.check.locate import locate
 from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.run import Report
@@ -21,8 +23,15 @@ __all__ = ["with_hermit"]
 _CODES = ("OWL005", "OWL006", "OWL009", "OWL010")  # codes that report a contradiction or an empty class
 
 
-def with_hermit(report: Report, paths: Sequence[Path | str], texts: Mapping[Path, str] | None = None) -> Report:
+def with_hermit(
+    report: Report,
+    paths: Sequence[Path | str],
+    texts: Mapping[Path, str] | None = None,
+    imported: Mapping[str, Path] | None = None,
+) -> Report:
     """``report`` of ``paths``, with the contradictions and empty classes that only HermiT finds.
+
+    ``imported`` are files by the IRI that they are imported by.
 
     Raises:
         OntoError: CLI006, where HermiT cannot run.
@@ -32,7 +41,7 @@ def with_hermit(report: Report, paths: Sequence[Path | str], texts: Mapping[Path
     if tasks and not turtle:
         return report
     try:
-        model = load_model(turtle, texts)
+        model = load_model(turtle, texts, lead=Imports(imported or {}))
     except OntoError:  # in the report already: files that are not Turtle are not reasoned with
         return report
     logical = {problem for problem in report.problems if problem.code in _CODES}
@@ -41,7 +50,7 @@ def with_hermit(report: Report, paths: Sequence[Path | str], texts: Mapping[Path
     fresh = () if contradiction else locate(model, _findings(model))
     empty = {(problem.file, _named(problem)) for problem in logical}
     new = {problem for problem in fresh if (problem.file, _named(problem)) not in empty}
-    return Report(tuple(sorted({*report.problems, *new})), report.files, report.triples)
+    return replace(report, problems=tuple(sorted({*report.problems, *new})))
 
 
 def _named(problem: Problem) -> str:

@@ -17,9 +17,11 @@ from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.check.finding import Finding
 from onto_compiler.check.model import Model
+from onto_compiler.check.undeclared import KINDS
 from onto_compiler.problems import Problem
 from onto_compiler.rdf import BASE, PREFIXES, RDFS, namespace_of
 from onto_compiler.reasoning.axioms import TYPE, owl
+from onto_compiler.sources import graph_of
 from onto_compiler.vocabularies import TERMS
 
 __all__ = ["House"]
@@ -60,9 +62,8 @@ ADVICE = frozenset(["OWL003", "OWL012", "OWL013", "OWL014", "OWL015", "TTL007"])
 _NAMES = {"VOC001": "object", "VOC002": "predicate", "RUL005": "term"}
 _IMPORTS, _DEFINED, _DEPRECATED = owl("imports"), NamedNode(RDFS + "isDefinedBy"), owl("deprecated")
 _SHARED = frozenset((*TERMS, *PREFIXES.values()))
-_KINDS = frozenset(
-    (NamedNode(RDFS + "Class"), *map(owl, ("Class", "ObjectProperty", "DatatypeProperty", "AnnotationProperty")))
-)
+_OF_FILES = ("github.com", "githubusercontent.com", "gitlab.com")
+"""Hosts of files, of which an address says nothing of the namespaces within."""
 
 
 @dataclass
@@ -174,22 +175,31 @@ class House:
             return True
         if self._owns(term.value):
             return False
-        return namespace not in self._declared or urlsplit(namespace).netloc in self._missing
+        host = urlsplit(namespace).netloc
+        missing = any(one in {"", host} or one.endswith(_OF_FILES) for one in self._missing)
+        return missing or namespace not in self._declared
 
     @cached_property
     def _declared(self) -> frozenset[str]:
-        """The namespace of each file: that in which it declares most."""
+        """The namespaces of each file and of what it imports: that in which it declares most, and its header's.
+
+        Of others, a file may declare the few terms that it uses; one with several headers was put together of parts.
+        """
         found: set[str] = set()
-        for graph in self.model.graphs:
-            kinds = (self.model.store.quads_for_pattern(None, TYPE, kind, graph) for kind in _KINDS)
+        for graph in (*self.model.graphs, *map(graph_of, self.model.imported)):
+            kinds = (self.model.store.quads_for_pattern(None, TYPE, kind, graph) for kind in KINDS)
             terms = {quad.subject.value for quads in kinds for quad in quads if isinstance(quad.subject, NamedNode)}
-            found.update(namespace for namespace, _ in Counter(map(namespace_of, sorted(terms))).most_common(1))
+            counted = Counter(namespace for namespace in map(namespace_of, terms) if namespace not in _SHARED)
+            found |= {namespace for namespace, number in counted.items() if number == max(counted.values())}
+            headers = [header.value.rstrip("#/") for header in self._headers(graph)]
+            if len(headers) == 1:
+                found |= {f"{headers[0]}{end}" for end in "#/"} & counted.keys()
         return frozenset(found)
 
     @cached_property
     def _missing(self) -> frozenset[str]:
-        """The hosts of the imports that are in none of the files."""
-        imported = self.model.graph.values(_IMPORTS)
-        here = self.model.graph.subjects(TYPE, owl("Ontology"))
-        named = (one.value for one in imported if isinstance(one, NamedNode) and one not in here)
-        return frozenset(urlsplit(iri).netloc for iri in named)
+        """The hosts of the imports that are in none of the files; vocabularies that are known are not missing."""
+        names = (one.value for one in self.model.unresolved)
+        return frozenset(
+            urlsplit(iri).netloc for iri in names if not _SHARED & {f"{iri.rstrip('#/')}{end}" for end in "#/"}
+        )

@@ -1,4 +1,4 @@
-"""``owl:imports`` of data and shapes: by ``--import``, an XML catalog or a relative IRI; nothing is fetched."""
+"""``owl:imports``: by ``--import`` or the settings, an XML catalog or a relative IRI; nothing is fetched."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from onto_compiler.check.documents import Document, read_document
 from onto_compiler.folders import actual
 from onto_compiler.problems import OntoError, Problem, Span, near
 from onto_compiler.rdf import OWL, RDF, SH
-from onto_compiler.turtle.source_map import read_map
 
-__all__ = ["Imports"]
+__all__ = ["UNKNOWN", "Imports"]
+
+UNKNOWN = "no file is known for it, and nothing is fetched"
 
 _IMPORTS, _VERSION = NamedNode(OWL + "imports"), NamedNode(OWL + "versionIRI")
 _TYPE, _ONTOLOGY = NamedNode(RDF + "type"), NamedNode(OWL + "Ontology")
@@ -29,14 +30,20 @@ class _NotFoundError(Exception):
 
 @dataclass
 class Imports:
-    """Finds the files of imports; what is wrong with them is appended to ``problems``, each fault once.
+    """Finds the files of imports; what is wrong with catalogs is appended to ``problems``, each fault once.
 
-    ``mapped`` are the files that the command line gives for IRIs. They go before the ontologies that given files
-    declare, and these before catalogs, of which the nearest decides.
+    ``mapped`` are files that the command line or the settings give for IRIs. They go before the ontologies that given
+    files declare, and these before catalogs, of which the nearest decides. ``missed`` says why an import leads to no
+    file, and ``consulted`` holds every file that was looked for, whether it is there or not.
     """
 
     mapped: Mapping[str, Path] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
+    unreadable: list[Problem] = field(default_factory=list)
+    followed: dict[str, Path] = field(default_factory=dict)
+    missed: dict[str, str] = field(default_factory=dict)
+    consulted: set[Path] = field(default_factory=set)
+    _missing: list[tuple[Document, str]] = field(default_factory=list)
     _imported: dict[Path, list[str]] = field(default_factory=dict)
     _declared: dict[str, Path] = field(default_factory=dict)
     _catalogs: dict[Path, Catalog | None] = field(default_factory=dict)
@@ -54,26 +61,35 @@ class Imports:
         """``documents``, which are declared, and all that they import, directly or through others.
 
         Each file is read once, so that circles end.
-
-        Raises:
-            OntoError: TTL001 or TTL002, where an imported file cannot be read.
-
         """
         found = {document.path: document for document in documents}
+        tried = set(found)
         todo = list(documents)
         while todo:
             document = todo.pop(0)
             for iri in self._imported[document.path]:
                 path = self._followed(iri, document)
-                if path is not None and path not in found:
+                if path is None or path in tried:
+                    continue
+                tried.add(path)
+                try:
                     found[path] = read_document(path)
-                    self.declare([found[path]])
-                    todo.append(found[path])
+                except OntoError as error:
+                    self.unreadable += error.problems
+                    continue
+                self.declare([found[path]])
+                todo.append(found[path])
         return list(found.values())
 
-    def unused(self) -> Iterator[Problem]:
-        """A problem for each IRI of the command line that no file imports."""
-        for iri, path in self.mapped.items():
+    def missing(self) -> Iterator[Problem]:
+        """A problem for each import that leads to no file, at its place."""
+        for document, iri in self._missing:
+            message = f"the import `{_short(iri, document.path)}` is not followed: {self.missed[iri]}"
+            yield Problem.at(_place(document, iri), "IMP001", message, _HINT, "warning")
+
+    def unused(self, mapped: Mapping[str, Path]) -> Iterator[Problem]:
+        """A problem for each IRI of ``mapped``, which the command line gives, that no file imports."""
+        for iri, path in mapped.items():
             if iri not in self._wanted:
                 message = f"--import gives a file for `{iri}`, which no file imports"
                 hint = near(iri, self._wanted) or "leave it out, or correct the IRI"
@@ -85,12 +101,14 @@ class Imports:
         if iri in _BUILT_IN:
             return None
         try:
-            return next(filter(None, (self._known(name, document.path) for name in names)), None) or _named(iri)
+            found = next(filter(None, (self._known(name, document.path) for name in names)), None) or self._named(iri)
         except _NotFoundError as error:
-            span = _place(document, iri)
-            message = f"the import `{_short(iri, document.path)}` is not followed: {error}"
-            self._note(Problem.at(span, "IMP001", message, _HINT, "warning"))
+            self.missed.setdefault(iri, str(error))
+            self._missing.append((document, iri))
             return None
+        self.consulted.add(found)
+        self.followed[iri] = found
+        return found
 
     def _known(self, iri: str, importing: Path) -> Path | None:
         if iri in self.mapped:
@@ -115,7 +133,7 @@ class Imports:
                     return found
             elif target is None:
                 missed = missed or f"`{path.name}` maps it to <{url}>, and nothing is fetched"
-            elif not _is_file(target):
+            elif not self._is_file(target):
                 missed = missed or f"`{path.name}` maps it to `{target}`, which is no file"
             else:
                 return actual(target)
@@ -127,32 +145,26 @@ class Imports:
         if path not in self._catalogs:
             self._catalogs[path] = None
             try:
-                self._catalogs[path] = read_catalog(path) if _is_file(path) else None
+                self._catalogs[path] = read_catalog(path) if self._is_file(path) else None
             except OntoError as error:
-                for problem in error.problems:
-                    self._note(problem)
+                self.problems += error.problems
         return self._catalogs[path]
 
-    def _note(self, problem: Problem) -> None:
-        if problem not in self.problems:
-            self.problems.append(problem)
+    def _named(self, iri: str) -> Path:
+        """The file that an IRI itself names."""
+        path = file_of(iri)
+        if path is None:
+            raise _NotFoundError(UNKNOWN)
+        if not self._is_file(path):
+            raise _NotFoundError(f"there is no file `{path.name}`")
+        return actual(path)
 
-
-def _named(iri: str) -> Path:
-    """The file that an IRI itself names."""
-    path = file_of(iri)
-    if path is None:
-        raise _NotFoundError("no file is known for it, and nothing is fetched")
-    if not _is_file(path):
-        raise _NotFoundError(f"there is no file `{path.name}`")
-    return actual(path)
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except OSError:  # such a name is too long for any file
-        return False
+    def _is_file(self, path: Path) -> bool:
+        self.consulted.add(path)
+        try:
+            return path.is_file()
+        except OSError:  # such a name is too long for any file
+            return False
 
 
 def _header(document: Document) -> tuple[list[str], list[str]]:
@@ -176,7 +188,7 @@ def _short(iri: str, importing: Path) -> str:
 
 def _place(document: Document, iri: str) -> Span:
     if document.has_places:
-        source_map = read_map(document.path)
+        source_map = document.source_map()
         for located in source_map.find(None, _IMPORTS, NamedNode(iri)):
             return source_map.span(located.at_object)
     return Span(str(document.path))

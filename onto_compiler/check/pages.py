@@ -9,7 +9,7 @@ import re
 import sys
 from pathlib import Path
 
-__all__ = ["FOLDER", "codes", "index", "page"]
+__all__ = ["FOLDER", "codes", "index", "page", "titles"]
 
 _PACKAGED = Path(__file__).resolve().parent.parent / "errors"
 # A checkout without symbolic links has a file there.
@@ -26,10 +26,14 @@ def page(code: str) -> str | None:
     return (FOLDER / f"{code}.md").read_text(encoding="utf-8") if code in codes() else None
 
 
+def titles() -> dict[str, str]:
+    """What each code means, in a few words."""
+    return {code: (page(code) or "").partition("\n")[0].removeprefix(f"# {code}: ") for code in codes()}
+
+
 def index() -> str:
     """A table of all pages with their titles, as Markdown."""
-    titles = {code: (page(code) or "").partition("\n")[0].removeprefix(f"# {code}: ") for code in codes()}
-    rows = [f"| [{code}]({code}.md) | {title} |" for code, title in titles.items()]
+    rows = [f"| [{code}]({code}.md) | {title} |" for code, title in titles().items()]
     head = ["# Problems", "", "What each code means; `onto explain CODE` prints the same page.", ""]
     return "\n".join([*head, "| Code | Meaning |", "| --- | --- |", *rows, ""])
 

@@ -17,6 +17,7 @@ from onto_compiler.check.domains import check_domains
 from onto_compiler.check.finding import Finding, Term
 from onto_compiler.check.hierarchy import check_hierarchy
 from onto_compiler.check.house import House
+from onto_compiler.check.imports import Imports
 from onto_compiler.check.model import Model, load_model
 from onto_compiler.check.prefixes import check_prefixes
 from onto_compiler.check.profile_dl import check_dl
@@ -28,6 +29,7 @@ from onto_compiler.check.rules import check_rules
 from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.check.suppressions import unsuppressed
 from onto_compiler.check.terms import check_terms
+from onto_compiler.check.undeclared import check_imports, check_undeclared
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.reasoning.axioms import TYPE
 from onto_compiler.shacl.compile import compile_graph
@@ -54,12 +56,16 @@ class Validated:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """The problems, and the number of files and triples."""
+    """The problems, and the number of files and triples.
+
+    ``consulted`` are files that decide the result beside those: imported ones, and catalogs that are there or not.
+    """
 
     problems: tuple[Problem, ...]
     files: tuple[Path, ...]
     triples: int
     validation: Validated | None = None
+    consulted: tuple[Path, ...] = ()
 
 
 def check(
@@ -75,15 +81,17 @@ def check(
     the work.
     """
     unreadable: list[Problem] = []
+    lead = Imports(settings.imported)
     try:
-        model = load_model(paths, texts, unreadable)
+        model = load_model(paths, texts, unreadable, lead)
     except OntoError as error:
         return Report(error.problems, tuple(dict.fromkeys(Path(problem.file) for problem in error.problems)), 0)
     found = check_model(model, settings, step) if model.files else ()
     if unreadable:
         found = tuple(one for one in found if not one.code.startswith(_OF_ALL_FILES))
     files = dict.fromkeys((*model.files, *(Path(problem.file) for problem in unreadable)))
-    return Report(tuple(sorted({*found, *unreadable})), tuple(files), model.triples)
+    found = (*found, *unreadable, *settings.chosen(lead.unused(dict(settings.mapped))))
+    return Report(tuple(sorted(set(found))), tuple(files), model.triples, consulted=tuple(sorted(lead.consulted)))
 
 
 def check_model(model: Model, settings: Settings = DEFAULT, step: Step = silent) -> tuple[Problem, ...]:
@@ -213,6 +221,8 @@ _OF_ALL_FILES = (
 """How the codes begin of what is wrong only where no other file declares it."""
 _CHECKS: tuple[tuple[str, Callable[[Model], Iterable[Finding]]], ...] = (
     ("declarations", _queried),
+    ("undeclared names", check_undeclared),
+    ("imports", check_imports),
     ("hierarchy", check_hierarchy),
     ("domains and ranges", check_domains),
     ("deprecated terms", check_deprecated),

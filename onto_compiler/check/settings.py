@@ -9,16 +9,18 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatch
+from glob import escape
 from pathlib import Path
 
 from onto_compiler.problems import OntoError, Problem, near
 
-__all__ = ["DEFAULT", "Settings", "parse_codes", "read_settings"]
+__all__ = ["DEFAULT", "FILES", "Settings", "anchored", "parse_codes", "read_settings"]
 
-_KEYS = ("ignore", "namespaces", "per-file-ignores", "select", "severity")
+_KEYS = ("exclude", "ignore", "imports", "namespaces", "per-file-ignores", "select", "severity")
 _READABLE = {"TTL007", "TTL008"}  # of prefixes; every other problem of syntax keeps a file from being read
 _SEVERITIES = ("error", "warning", "info")
-_FILES = {"onto.toml": ("check",), "pyproject.toml": ("tool", "onto", "check")}
+FILES = {"onto.toml": ("check",), "pyproject.toml": ("tool", "onto", "check")}
+"""The names of the files that hold settings, and the keys that lead to them."""
 _HINT = "see docs/checks.md for the keys of [tool.onto.check]"
 
 
@@ -28,6 +30,8 @@ class Settings:
 
     With ``select`` those codes alone are reported, of terms of others too. ``severity`` holds codes with the severity
     that they get instead of theirs, ``per_file`` patterns of paths below ``root`` with the codes ignored there.
+    ``exclude`` are patterns of files that folders do not stand for; those with a slash are absolute. ``imports`` are
+    files by the IRI that they are imported by, and ``mapped`` those that the command line gives before them.
     """
 
     namespaces: tuple[str, ...] = ()
@@ -36,6 +40,19 @@ class Settings:
     severity: tuple[tuple[str, str], ...] = ()
     per_file: tuple[tuple[str, tuple[str, ...]], ...] = ()
     root: Path = Path()
+    exclude: tuple[str, ...] = ()
+    imports: tuple[tuple[str, Path], ...] = ()
+    mapped: tuple[tuple[str, Path], ...] = ()
+
+    @property
+    def imported(self) -> Mapping[str, Path]:
+        """The file of each IRI that the settings or the command line map."""
+        return dict((*self.imports, *self.mapped))
+
+    def excludes(self, path: Path) -> bool:
+        """Whether a folder above ``path`` does not stand for it: by its own path or name, or that of a folder."""
+        places = [path, *path.parents]
+        return any(fnmatch(str(one) if "/" in each else one.name, each) for each in self.exclude for one in places)
 
     def chosen(self, problems: Iterable[Problem]) -> Iterator[Problem]:
         """Those of ``problems`` that are reported, each with its severity; of two that fit, the longer code decides."""
@@ -70,7 +87,7 @@ def read_settings(paths: Iterable[Path]) -> Settings:
     for path in paths:
         folder = path.resolve()
         for above in (folder, *folder.parents):
-            for name, keys in _FILES.items():
+            for name, keys in FILES.items():
                 if (above / name).is_file() and (table := _table(above / name, keys)) is not None:
                     return _settings(above / name, table)
     return DEFAULT
@@ -105,7 +122,27 @@ def _settings(file: Path, table: Mapping[str, object]) -> Settings:
         severity=tuple(zip(parse_codes(severities, named), map(str, severities.values()), strict=True)),
         per_file=tuple((pattern, parse_codes(_texts(file, ignored, pattern), named)) for pattern in ignored),
         root=file.parent,
+        exclude=anchored(_texts(file, table, "exclude"), file.parent),
+        imports=tuple(_files(file, _inner(file, table, "imports"))),
     )
+
+
+def anchored(patterns: Iterable[str], folder: Path) -> tuple[str, ...]:
+    """Patterns of paths, those with a slash as seen from ``folder``; ``**`` is as ``*``, which crosses folders."""
+    plain = (pattern.strip().replace("**", "*").rstrip("/") for pattern in patterns)
+    return tuple(f"{escape(str(folder))}/{one.removeprefix('./')}" if "/" in one else one for one in plain if one)
+
+
+def _files(file: Path, table: Mapping[str, object]) -> Iterator[tuple[str, Path]]:
+    """The files of the table ``imports``, as seen from the folder of ``file``."""
+    for iri, given in table.items():
+        if not isinstance(given, str) or not given:
+            raise OntoError.of("CFG001", f"`imports` gives no file for `{iri}`", 'write `"IRI" = "FILE"`', str(file))
+        path = file.parent / given
+        if not path.is_file():
+            hint = "correct the path, which is seen from the folder of the settings"
+            raise OntoError.of("CFG001", f"`imports` maps `{iri}` to `{given}`, which is no file", hint, str(file))
+        yield iri, path
 
 
 def _inner(file: Path, table: Mapping[str, object], key: str) -> Mapping[str, object]:

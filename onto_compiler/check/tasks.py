@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from onto_compiler.check.imports import Imports
 from onto_compiler.check.model import load_model
 from onto_compiler.check.progress import Step, silent
 from onto_compiler.check.run import Report, check
@@ -12,7 +14,9 @@ from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
 
-__all__ = ["check_all", "check_tasks", "split"]
+__all__ = ["ENDINGS", "check_all", "check_tasks", "split"]
+
+ENDINGS = (".ttl", ".bddl")
 
 
 def split(paths: Sequence[Path | str]) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
@@ -53,26 +57,33 @@ def check_all(
         return report
     files = (*report.files, *tasks)
     if turtle and any(problem.code.startswith("TTL") and problem.severity == "error" for problem in report.problems):
-        return Report(report.problems, files, report.triples)
-    problems = settings.chosen(check_tasks(tasks, turtle, texts))
-    return Report(tuple(sorted({*report.problems, *problems})), files, report.triples)
+        return replace(report, files=files)
+    problems = settings.chosen(check_tasks(tasks, turtle, texts, settings.imported))
+    return replace(report, problems=tuple(sorted({*report.problems, *problems})), files=files)
 
 
 def check_tasks(
-    tasks: Sequence[Path], turtle: Sequence[Path] = (), texts: Mapping[Path, str] | None = None
+    tasks: Sequence[Path],
+    turtle: Sequence[Path] = (),
+    texts: Mapping[Path, str] | None = None,
+    imported: Mapping[str, Path] | None = None,
 ) -> tuple[Problem, ...]:
-    """Every problem of the task files: what does not parse or lift, and what ``lift`` warns of."""
-    from onto_compiler.bddl import lift, parse_file  # noqa: PLC0415 - Lark is heavy, and Turtle needs none
+    """Every problem of the task files: what does not parse or lift, and what ``lift`` warns of.
+
+    ``imported`` are files by the IRI that the ontology imports them by.
+    """
+    from onto_compiler.bddl import lift, parse, parse_file  # noqa: PLC0415 - Lark is heavy, and Turtle needs none
     from onto_compiler.compile_schema import compile_schema  # noqa: PLC0415 - as above
 
     problems: list[Problem] = []
     try:
-        schema = compile_schema(load_model(turtle, texts).store)
+        schema = compile_schema(load_model(turtle, texts, lead=Imports(imported or {})).store)
     except OntoError as error:
         return error.problems
     for path in tasks:
         try:
-            problems += lift(parse_file(path), schema, path.stem)[1]
+            task = parse(texts[path], str(path)) if texts and path in texts else parse_file(path)
+            problems += lift(task, schema, path.stem)[1]
         except OntoError as error:
             problems += error.problems
     return tuple(sorted(set(problems)))

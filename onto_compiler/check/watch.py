@@ -6,11 +6,12 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from onto_compiler.check.documents import ENDINGS
 from onto_compiler.folders import below
 
-__all__ = ["SUFFIXES", "changes", "stamps"]
+__all__ = ["changes", "stamps"]
 
-SUFFIXES = (".ttl", ".bddl")
+_ENDINGS = frozenset((*ENDINGS, ".bddl"))
 
 Stamps = dict[Path, tuple[int, int]]
 
@@ -19,7 +20,7 @@ def stamps(paths: Sequence[Path]) -> Stamps:
     """When each file of ``paths`` (or of the folders among them) was last written, in ns, and its size in bytes."""
     found: Stamps = {}
     for path in paths:
-        files = (file for file in below(path, "*") if file.suffix in SUFFIXES) if path.is_dir() else (path,)
+        files = (file for file in below(path, "*") if file.suffix.lower() in _ENDINGS) if path.is_dir() else (path,)
         for file in files:
             try:
                 status = file.stat()
@@ -34,11 +35,15 @@ def changes(
 ) -> Iterator[tuple[Path, ...]]:
     """Yield at once with no file, and then each time that files changed, came or went, with those files.
 
-    ``every`` is the time between two looks, in seconds. The iterator ends with its consumer.
+    ``every`` is the time between two looks, in seconds. The consumer may add to ``paths``, and ends the iterator.
     """
     before = stamps(paths)
+    known = set(paths)
     yield ()
     while True:
+        new = [path for path in paths if path not in known]
+        known.update(new)
+        before |= stamps(new)  # of a file that was added its present state has been read
         wait(every)
         now = stamps(paths)
         if now != before:

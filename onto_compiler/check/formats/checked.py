@@ -26,7 +26,7 @@ class Checked:
     """Problems in file order; ``files`` are all that were checked, clean ones included, as they are displayed.
 
     ``texts`` holds the text of files that are not (or not yet) on disk in this form, and ``repairs`` is what ``--fix``
-    would do.
+    would do. ``colour`` is for people at a terminal.
     """
 
     problems: tuple[Problem, ...]
@@ -34,6 +34,7 @@ class Checked:
     fail_on: str = "error"  # "error" | "warning": the least severity that fails
     texts: dict[str, str] = field(default_factory=dict)
     repairs: Mapping[Problem, Repair] = field(default_factory=dict)
+    colour: bool = False
 
     @cached_property
     def failures(self) -> tuple[Problem, ...]:

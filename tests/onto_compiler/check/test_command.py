@@ -12,6 +12,7 @@ import pytest
 import ontology
 from onto_compiler.check.command import CHECK, EXPLAIN
 from onto_compiler.command import CLEAN, FINDINGS, MISUSE
+from onto_compiler.problems import OntoError
 
 HERE = Path(__file__).parent
 BROKEN, GOOD = HERE / "broken", HERE / "good"
@@ -63,9 +64,24 @@ def test_warnings_fail_only_where_asked(fail_on, code, capsys):
     assert err == "1 problem (1 warning) in 1 file\n"
 
 
-def test_a_missing_path_is_misuse(tmp_path, capsys):
-    assert run(CHECK, tmp_path / "nowhere.ttl") == MISUSE
-    assert "does not exist" in capsys.readouterr().err
+def test_a_missing_path_is_misuse(tmp_path):
+    with pytest.raises(OntoError, match="`.*nowhere.ttl` does not exist"):
+        run(CHECK, tmp_path / "nowhere.ttl")
+
+
+@pytest.mark.parametrize("kind", ["missing", "link", "glob"])
+def test_a_missing_path_hides_no_other_problem(kind, tmp_path, capsys):
+    name, said = {
+        "missing": ("no.ttl", "does not exist"),
+        "link": ("link.ttl", "is a link to `gone.ttl`, which does not exist"),
+        "glob": ("no_*.ttl", "matches no file"),
+    }[kind]
+    if kind == "link":
+        (tmp_path / name).symlink_to("gone.ttl")
+    assert run(CHECK, tmp_path / name, BROKEN / "voc001_undeclared_class.ttl", "--json") == MISUSE
+    found = {problem["code"]: problem["message"] for problem in json.loads(capsys.readouterr().out)["problems"]}
+    assert set(found) == {"TTL002", "VOC001"}
+    assert found["TTL002"].endswith(said)
 
 
 def test_a_folder_without_turtle_is_a_problem(tmp_path):

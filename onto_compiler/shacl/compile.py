@@ -8,7 +8,7 @@ from pyoxigraph import Literal, NamedNode
 
 from onto_compiler.rdf import OWL, RDF, RDFS, SH
 from onto_compiler.shacl.components import COMPONENTS
-from onto_compiler.shacl.expressions import expression_checks
+from onto_compiler.shacl.expressions import expression_check
 from onto_compiler.shacl.functions import declared_functions
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.logic import SHAPE_COMPONENTS
@@ -107,11 +107,9 @@ class Compiler:
         for name in sorted(named & _BUILDERS.keys()):
             for value in reader.values(node, name):
                 yield from _BUILDERS[name](Parameter(reader, node, name, value))
-        for constraint in reader.values(node, "sparql"):
-            check = sparql_check(reader, node, path, constraint)
-            if check is not None:
-                yield check
-        yield from expression_checks(reader, node)
+        found = [sparql_check(reader, node, path, one) for one in reader.values(node, "sparql")]
+        found += [expression_check(reader, node, one) for one in reader.values(node, "expression")]
+        yield from (check for check in found if check is not None)
         yield from custom_checks(reader, node, path, self.components)
 
     def targets(self, node: Term) -> Iterator[Target]:

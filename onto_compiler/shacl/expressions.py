@@ -12,9 +12,10 @@ from onto_compiler.shacl.graph import Term
 from onto_compiler.shacl.model import Check, Custom, Hit, Run, ShapeFault
 from onto_compiler.shacl.paths import follow, read_path
 from onto_compiler.shacl.reader import Reader
+from onto_compiler.shacl.syntax import is_shape
 from onto_compiler.shacl.values import less
 
-__all__ = ["Expression", "expression_checks", "read_expression"]
+__all__ = ["Expression", "expression_check", "read_expression"]
 
 Expression = Callable[[Run, Term], Iterable[Term]]
 _THIS = NamedNode(SH + "this")
@@ -22,20 +23,28 @@ _LISTS = ("union", "intersection")
 _FOLDS = ("count", "min", "max", "distinct", "exists")
 
 
-def expression_checks(reader: Reader, shape: Term) -> Iterator[Check]:
-    """``sh:expression`` constraints: each value node that the expression does not map to true is a violation.
+def expression_check(reader: Reader, shape: Term, node: Term) -> Check | None:
+    """The check of one ``sh:expression``: each value node that it does not map to true is a violation.
+
+    None if it is deactivated.
 
     Raises:
-        ShapeFault: where one is no node expression.
+        ShapeFault: where it is no node expression.
 
     """
-    for node in reader.values(shape, "expression"):
-        if reader.is_true(node, "deactivated"):
-            continue
+    if reader.is_true(node, "deactivated"):
+        return None
+    try:
         expression = read_expression(reader, node, shape)
-        message, code, hint = reader.texts(node) if isinstance(node, BlankNode) else ("", "", "")
-        words = "must make an expression true"
-        yield Custom("ExpressionConstraintComponent", _untrue(expression), words, message, code, hint)
+    except RecursionError:
+        raise ShapeFault("a node expression is nested without end", shape, "expression", node) from None
+    except ShapeFault as fault:
+        if fault.parameter:
+            raise
+        raise ShapeFault(fault.problems[0].message, shape, "expression", node) from None
+    message, code, hint = reader.texts(node) if isinstance(node, BlankNode) else ("", "", "")
+    words = "must make an expression true"
+    return Custom("ExpressionConstraintComponent", _untrue(expression), words, message, code, hint)
 
 
 def _untrue(expression: Expression) -> Callable[[Run, Term, Sequence[Term]], Iterable[Hit]]:
@@ -68,6 +77,8 @@ def _read(reader: Reader, node: Term, name: str, value: Term, shape: Term) -> Ex
     if name == "path":
         return _path(reader, value, _input(reader, node, shape), shape)
     if name == "filterShape":
+        if not is_shape(reader.graph, value):
+            raise ShapeFault("sh:filterShape must be a shape that the shapes graph describes", shape)
         wanted, nodes = reader.shape(value), _input(reader, node, shape)
         return lambda run, focus: [one for one in nodes(run, focus) if run.conforms(one, wanted)]
     if name in _LISTS:
@@ -94,7 +105,7 @@ def _input(reader: Reader, node: Term, shape: Term) -> Expression:
 def _path(reader: Reader, value: Term, nodes: Expression, shape: Term) -> Expression:
     path = read_path(reader.graph, value)
     if path is None:
-        raise ShapeFault("the sh:path is no property path", shape, "path", value)
+        raise ShapeFault("the sh:path of a node expression is no property path", shape)
 
     def evaluate(run: Run, focus: Term) -> Iterable[Term]:
         return dict.fromkeys(found for node in nodes(run, focus) for found in follow(run.data, node, path))
@@ -149,6 +160,8 @@ def _call(reader: Reader, node: Term, shape: Term) -> Expression:
             members = reader.graph.items(value)
         if members is None or predicate.value.startswith(SH):
             continue
+        if not reader.graph.predicates(predicate):
+            raise ShapeFault(f"the function <{predicate.value}> is not declared", shape)
         arguments = [read_expression(reader, member, shape) for member in members]
         return _calling(predicate, arguments, shape)
     raise ShapeFault("a node expression is none that is known", shape)

@@ -9,6 +9,7 @@ from pyoxigraph import BlankNode, NamedNode
 from onto_compiler.rdf import RDF, SH
 from onto_compiler.shacl.components import COMPONENTS
 from onto_compiler.shacl.declarations import declaration_faults
+from onto_compiler.shacl.expressions import expression_check
 from onto_compiler.shacl.graph import Graph, Term
 from onto_compiler.shacl.logic import SHAPE_COMPONENTS
 from onto_compiler.shacl.model import ShapeFault
@@ -22,6 +23,7 @@ from onto_compiler.vocabularies import meant
 __all__ = ["misspelt", "sound_part"]
 
 _TYPE, _PATH, _SPARQL = NamedNode(RDF + "type"), NamedNode(SH + "path"), NamedNode(SH + "sparql")
+_EXPRESSION, _FILTER = NamedNode(SH + "expression"), NamedNode(SH + "filterShape")
 _NODE_SHAPE, _PROPERTY_SHAPE = NamedNode(SH + "NodeShape"), NamedNode(SH + "PropertyShape")
 
 _REFERENCES = ("node", "not", "property", "qualifiedValueShape", "and", "or", "xone", "condition", "rule")
@@ -41,7 +43,12 @@ def sound_part(graph: Graph, faults: list[ShapeFault]) -> Graph:
     declared = list(declaration_faults(graph))
     found = [one for shape in shapes for one in _faults(graph, shape) if one[1] not in known]
     found += [(fault, triple) for fault, triple in declared if triple is not None]
-    found += _failing(_without(graph, [*found, *unknown]), shapes)
+    misspelt_in = {subject for subject, _, _ in known}
+    for fault, triple in _failing(_without(graph, [*found, *unknown]), shapes):
+        if misspelt_in & set(_within(graph, triple)):
+            unknown.append((fault, triple))  # told already: the misspelt term is what is wrong
+        else:
+            found.append((fault, triple))
     # One fault for all values of a property that are too many, at the last of them.
     wrong = {(fault.shape, fault.parameter, str(fault), _many(fault)): fault for fault, _ in (*declared, *found)}
     faults += wrong.values()
@@ -89,6 +96,23 @@ def _references(graph: Graph) -> Iterator[tuple[Triple3, str, Term]]:
                 members = graph.items(value) or () if name in {"and", "or", "xone"} else (value,)
                 for member in members:
                     yield (holder, predicate, value), name, member
+    for holder, values in graph.holders(_EXPRESSION).items():
+        for value in values:
+            triple = (holder, _EXPRESSION, value)
+            for node in _within(graph, triple):
+                yield from ((triple, "expression", shape) for shape in graph.objects(node, _FILTER))
+
+
+def _within(graph: Graph, triple: Triple3) -> Iterator[Term]:
+    """The blank nodes of the node expression that a triple gives, without the shapes that it filters by."""
+    todo, seen = [triple[2]] if triple[1] == _EXPRESSION else [], set[Term]()
+    while todo:
+        node = todo.pop()
+        if node not in seen and isinstance(node, BlankNode):
+            seen.add(node)
+            yield node
+            for predicate in graph.predicates(node):
+                todo += graph.objects(node, predicate) if predicate != _FILTER else ()
 
 
 def _resting_on(graph: Graph, unsound: set[Term], pathless: set[Term]) -> set[Triple3]:
@@ -143,12 +167,14 @@ def _failing(graph: Graph, shapes: Iterable[Term]) -> Iterator[tuple[ShapeFault,
     for shape in shapes:
         path_node = reader.one(shape, "path")
         path = read_path(graph, path_node) if path_node is not None else None
-        for name in _named(graph, shape, (*_BUILDERS, "sparql")):
+        for name in _named(graph, shape, (*_BUILDERS, "sparql", "expression")):
             for value in reader.values(shape, name):
                 triple = (shape, NamedNode(SH + name), value)
                 try:
                     if name == "sparql":
                         sparql_check(reader, shape, path, value)
+                    elif name == "expression":
+                        expression_check(reader, shape, value)
                     else:
                         list(_BUILDERS[name](Parameter(reader, shape, name, value)))
                 except ShapeFault as fault:

@@ -75,3 +75,35 @@ def test_booleans_have_one_reading_and_a_string_is_none():
 
 def test_constraints_see_what_the_rules_of_their_shapes_infer():
     assert check_data([CASES / "rules/data.ttl"], [CASES / "rules/shapes.ttl"]).problems == ()
+
+
+@pytest.mark.parametrize(
+    ("expression", "code", "said"),
+    [
+        (
+            "[ sh:exists ex:age ; ] , [ ex:f ( sh:this ) ]",
+            "SHP002",
+            "the function <http://example.org/f> is not declared",
+        ),
+        ("[ ]", "SHP002", "a node expression is none that is known"),
+        ("[ sh:exsts [ sh:path ex:age ] ]", "VOC011", "`sh:exsts` is no term"),
+        ("[ sh:exists [ sh:path 3 ] ]", "SHP002", "the sh:path of a node expression is no property path"),
+        ("[ sh:exists [ sh:filterShape ex:None ] ]", "SHP002", "sh:filterShape must be a shape"),
+        ("[ sh:exists [ sh:filterShape [ sh:minLength -1 ] ] ]", "SHP002", "sh:minLength must be a whole number"),
+        ("[ sh:union ( ex:a ) ; sh:union ( ex:b ) ] , [ sh:count [ ] ]", "SHP002", "a node expression is none"),
+    ],
+)
+def test_an_ill_formed_expression_is_left_out_and_no_other_constraint(tmp_path, expression, code, said):
+    prefixes = "@prefix ex: <http://example.org/> .\n@prefix sh: <http://www.w3.org/ns/shacl#> .\n"
+    shapes, data = tmp_path / "shapes.ttl", tmp_path / "data.ttl"
+    data.write_text(prefixes + "ex:a a ex:T .\n")
+    sound = "sh:property [ sh:path ex:name ; sh:minCount 1 ] ; sh:expression [ sh:exists [ sh:path ex:name ] ]"
+    shapes.write_text(
+        f"{prefixes}ex:S a sh:NodeShape ; sh:targetClass ex:T ; {sound} ;\nsh:expression {expression} .\n"
+    )
+    problems = check_data([data], [shapes]).problems
+    (fault,) = [problem for problem in problems if problem.code != "SHP001"]
+    assert (fault.code, fault.line) == (code, 4)
+    assert said in fault.message
+    said_of_data = [problem.message.partition(": ")[2] for problem in problems if problem != fault]
+    assert {"`ex:name` must have at least 1 value", "must make an expression true"} <= set(said_of_data)

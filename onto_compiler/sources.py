@@ -12,10 +12,11 @@ import ontology
 from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
 
-__all__ = ["collect", "graph_of", "load_store", "parse_problem", "read_into"]
+__all__ = ["collect", "graph_of", "load_store", "parse_problem", "read_into", "size_problem"]
 
 MANY = 100  # brackets: with no more, none can be nested too deep
 LARGE = 1024 * 1024  # bytes: with no more, no literal can be too long
+_LARGEST = 100_000_000  # bytes: a check takes some 70 times as much memory
 
 
 def collect(paths: Iterable[Path | str]) -> tuple[Path, ...]:
@@ -94,6 +95,18 @@ def read_into(store: Store, path: Path, text: str | None = None, written: list[Q
     except OSError as error:
         return [_unreadable(path, f"cannot read `{path.name}`: {error.strerror or error}")]
     return []
+
+
+def size_problem(path: Path) -> Problem | None:
+    """A problem where a file is larger than a check reads; a file that is not there is none here."""
+    try:
+        size = path.stat().st_size
+    except OSError:
+        return None
+    if size <= _LARGEST:
+        return None
+    said = f"`{path.name}` has {size / 1e6:,.0f} MB, and a file of at most {_LARGEST / 1e6:,.0f} MB is checked"
+    return Problem(str(path), 0, 0, "TTL009", "error", said, "split it, and check the parts with what they import")
 
 
 def _too_deep(path: Path, data: bytes) -> Problem | None:

@@ -40,7 +40,7 @@ def cached_check(
         return check(paths, texts, settings, step)
     cache = VerdictCache(folder / "checks", digest((*ontology.turtle_files(), *ontology.query_files("checks"))))
     key = _hash(*map(str, files), str(Path.cwd()), repr(settings))
-    content = _hash(*(hashlib.sha256(file.read_bytes()).hexdigest() for file in files), *_registered())
+    content = _hash(*map(_content, files), *_registered())
     kept = cache.get(key)
     if kept is not None and kept["content"] == content and kept["consulted"] == _contents(kept["consulted"]):
         problems = tuple(Problem(**one) for one in kept["problems"])
@@ -66,8 +66,13 @@ def _contents(files: Iterable[str]) -> dict[str, str]:
     for file in files:
         found[file] = ""
         with suppress(OSError, ValueError):
-            found[file] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
+            found[file] = _content(Path(file))
     return found
+
+
+def _content(file: Path) -> str:
+    with file.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def _registered() -> list[str]:

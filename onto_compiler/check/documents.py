@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from pyoxigraph import Quad, RdfFormat, Triple, parse
 
 from onto_compiler.problems import OntoError, Problem
-from onto_compiler.sources import MANY, parse_problem
+from onto_compiler.sources import MANY, parse_problem, size_problem
 
 if TYPE_CHECKING:
     from onto_compiler.turtle.source_map import SourceMap
@@ -66,6 +66,8 @@ def read_document(path: Path, text: str | None = None) -> Document:
     kind = ENDINGS.get(path.suffix.lower(), None if text is None else RdfFormat.TURTLE)
     if kind is None:
         raise OntoError.of("TTL002", f"`{path.name}` has no ending that says what it holds", HINT, str(path))
+    if text is None and (large := size_problem(path)) is not None:
+        raise OntoError(large)
     try:
         data = path.read_bytes().removeprefix(BOM_UTF8) if text is None else text.encode()
         if kind in _NESTED and data.count(b"[") + data.count(b"(") > MANY:

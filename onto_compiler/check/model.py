@@ -18,7 +18,7 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import OWL, RDF, prologue
 from onto_compiler.reasoning.axioms import Axioms, read_axioms
 from onto_compiler.shacl.graph import Graph
-from onto_compiler.sources import collect, graph_of, read_into
+from onto_compiler.sources import collect, graph_of, read_into, size_problem
 
 __all__ = ["Model", "load_model"]
 
@@ -141,6 +141,8 @@ def load_model(
 
 def _read(store: Store, path: Path, read: list[Document], text: str | None = None) -> list[Problem]:
     """Load a file and append it to ``read``, or return what is wrong with it."""
+    if text is None and (large := size_problem(path)) is not None:
+        return [large]
     quads: list[Quad] = []
     problems = read_into(store, path, text, quads)
     if not problems:

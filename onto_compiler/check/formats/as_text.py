@@ -16,7 +16,8 @@ _CARET = re.compile(r"^   \| +\^+$")
 
 def render(checked: Checked) -> str:
     """Every problem, an empty line behind each."""
-    problems = (render_problem(problem, checked.text(problem.file)) for problem in checked.problems)
+    sources = (checked.text(problem.file) if problem.line else None for problem in checked.problems)
+    problems = map(render_problem, checked.problems, sources)
     if not checked.colour:
         return "".join(f"{problem}\n\n" for problem in problems)
     return _coloured([(problem.severity, text) for problem, text in zip(checked.problems, problems, strict=True)])

@@ -10,8 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urljoin, urlsplit
-from urllib.request import url2pathname
-from xml.parsers import expat
 
 from onto_compiler.problems import OntoError, Problem
 
@@ -67,6 +65,8 @@ def file_of(url: str) -> Path | None:
         parts = urlsplit(url)
     except ValueError:  # no URL at all
         return None
+    from urllib.request import url2pathname  # noqa: PLC0415 - slow to import, and most checks need no file of a URL
+
     local = parts.scheme == "file" and parts.netloc in {"", "localhost"}
     return Path(url2pathname(parts.path)) if local else None
 
@@ -78,6 +78,8 @@ def read_catalog(path: Path) -> Catalog:
         OntoError: IMP002, where it cannot be read, is no XML or no catalog, or has no entry.
 
     """
+    from xml.parsers import expat  # noqa: PLC0415 - few checks read a catalog
+
     reader = _Reader(path.absolute().as_uri())
     parser = expat.ParserCreate(namespace_separator=" ")
     parser.StartElementHandler, parser.EndElementHandler = reader.start, reader.end

@@ -14,14 +14,14 @@ from onto_compiler.folders import actual
 from onto_compiler.problems import OntoError, Problem, Span, near
 from onto_compiler.rdf import OWL, RDF, SH
 
-__all__ = ["UNKNOWN", "Imports"]
+__all__ = ["HINT", "UNKNOWN", "Imports"]
 
 UNKNOWN = "no file is known for it, and nothing is fetched"
 
 _IMPORTS, _VERSION = NamedNode(OWL + "imports"), NamedNode(OWL + "versionIRI")
 _TYPE, _ONTOLOGY = NamedNode(RDF + "type"), NamedNode(OWL + "Ontology")
 _BUILT_IN = {SH, SH.rstrip("#")}  # the validator knows SHACL itself
-_HINT = f"give its file with --import IRI=FILE, or map the IRI to it in a {NAME} beside the importing file"
+HINT = f"give its file with --import IRI=FILE, or map the IRI to it in a {NAME} beside the importing file"
 
 
 class _NotFoundError(Exception):
@@ -85,7 +85,7 @@ class Imports:
         """A problem for each import that leads to no file, at its place."""
         for document, iri in self._missing:
             message = f"the import `{_short(iri, document.path)}` is not followed: {self.missed[iri]}"
-            yield Problem.at(_place(document, iri), "IMP001", message, _HINT, "warning")
+            yield Problem.at(_place(document, iri), "IMP001", message, HINT, "warning")
 
     def unused(self, mapped: Mapping[str, Path]) -> Iterator[Problem]:
         """A problem for each IRI of ``mapped``, which the command line gives, that no file imports."""

@@ -207,6 +207,7 @@ def _of_value(model: Model, value: Term | Triple, finding: Finding) -> Finding:
 _OF_ALL_FILES = (
     "BND",
     "CFG002",
+    "IMP001",
     "OWL003",
     "OWL007",
     "OWL008",

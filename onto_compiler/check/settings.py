@@ -21,6 +21,7 @@ _READABLE = {"TTL007", "TTL008"}  # of prefixes; every other problem of syntax k
 _SEVERITIES = ("error", "warning", "info")
 FILES = {"onto.toml": ("check",), "pyproject.toml": ("tool", "onto", "check")}
 """The names of the files that hold settings, and the keys that lead to them."""
+_OTHERS = ("imports", "schema")  # beside `check` in `tool.onto`
 _HINT = "see docs/checks.md for the keys of [tool.onto.check]"
 
 
@@ -98,9 +99,17 @@ def _table(file: Path, keys: tuple[str, ...]) -> Mapping[str, object] | None:
         table: object = tomllib.loads(file.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise OntoError.of("CFG001", f"`{file.name}` cannot be read: {error}", _HINT, str(file)) from error
-    for key in keys:
+    *above, last = keys
+    for key in above:
         table = table.get(key) if isinstance(table, dict) else None
-    return table if isinstance(table, dict) else None
+    if not isinstance(table, dict):
+        return None
+    for key in table:
+        # All of `onto.toml` is ours; other tables of `tool.onto` belong to other commands.
+        if key != last and (not above or (key not in _OTHERS and near(key, [last]))):
+            hint = near(key, [last]) or f"write the settings below `[{last}]`"
+            raise OntoError.of("CFG001", f"`{'.'.join((*above, key))}` is no table of settings", hint, str(file))
+    return _inner(file, table, last) if last in table else None
 
 
 def _settings(file: Path, table: Mapping[str, object]) -> Settings:

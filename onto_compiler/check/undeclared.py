@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from pyoxigraph import NamedNode, Quad
 
 from onto_compiler.check.finding import Finding
+from onto_compiler.check.imports import HINT
 from onto_compiler.check.model import Model
 from onto_compiler.rdf import OWL, PREFIXES, RDF, RDFS, SH, namespace_of
 from onto_compiler.sources import graph_of
@@ -43,6 +45,7 @@ _NAMING = frozenset(
 """The properties whose value is a class or a property."""
 _SHARED = frozenset((*TERMS, *PREFIXES.values()))
 _FEW = 3  # undeclared names, which a small file may have by mistake
+_GIVE = "give its file to `onto check` too or with --import IRI=FILE, or correct the IRI"
 _HINT = "declare the term, or correct its name"
 
 
@@ -94,9 +97,13 @@ def _finding(quad: Quad, part: str) -> Finding:
 
 
 def check_imports(model: Model) -> Iterator[Finding]:
-    """Each import of the reported files that leads to no file."""
+    """Each import of the reported files that leads to no file: IMP001 where something should have led to one."""
     for iri, reason in model.unresolved.items():
-        message = f"the import `{{object}}` is in none of the files{reason and ': '}{reason}"
-        hint = "give its file to `onto check` too or with --import IRI=FILE, or correct the IRI"
+        finding = Finding(
+            "OWL003", "error", "the import `{object}` is in none of the files", _GIVE, None, _IMPORTS, iri
+        )
+        if reason:
+            message = f"the import `{{object}}` is not followed: {reason}"
+            finding = Finding("IMP001", "warning", message, HINT, None, _IMPORTS, iri)
         for quad in model.store.quads_for_pattern(None, _IMPORTS, iri, None):
-            yield Finding("OWL003", "error", message, hint, quad.subject, _IMPORTS, iri)
+            yield replace(finding, subject=quad.subject)

@@ -7,7 +7,7 @@ import pytest
 
 from onto_compiler.check.command import CHECK
 from onto_compiler.check.data import ENDINGS, check_data
-from onto_compiler.command import CLEAN, FINDINGS, MISUSE
+from onto_compiler.command import CLEAN, FINDINGS
 from onto_compiler.problems import OntoError
 
 PREFIXES = """@prefix ex: <http://example.org/> .
@@ -192,7 +192,7 @@ def test_the_command_exits_as_elsewhere(put, capsys):
     assert run(bad, "--shapes", shapes, "--format", "json") == FINDINGS
     (problem,) = json.loads(capsys.readouterr().out)["problems"]
     assert (problem["code"], problem["line"], problem["column"]) == ("SHP001", 4, 1)
-    with pytest.raises(OntoError, match="none.ttl` does not exist"):
+    with pytest.raises(OntoError, match=r"none\.ttl` does not exist"):
         run(bad, "--shapes", shapes.parent / "none.ttl")
 
 

@@ -9,7 +9,7 @@ import pytest
 from onto_compiler.check.catalog import NAME, read_catalog
 from onto_compiler.check.command import CHECK
 from onto_compiler.check.data import check_data
-from onto_compiler.command import CLEAN, FINDINGS, MISUSE
+from onto_compiler.command import CLEAN, FINDINGS
 from onto_compiler.problems import OntoError
 from tests.listening import listening
 
@@ -107,7 +107,7 @@ def test_a_mapping_without_two_sides_is_refused(importing, words):
 def test_a_mapping_needs_its_file(importing):
     data, shapes = importing
     for words in ([data, "--shapes", shapes], [data]):
-        with pytest.raises(OntoError, match="`none.ttl` does not exist"):
+        with pytest.raises(OntoError, match=r"`none\.ttl` does not exist"):
             run(*words, "--import", "http://example.org/upper=none.ttl")
 
 

@@ -92,6 +92,9 @@ def _configure_check(parser: argparse.ArgumentParser) -> None:
     kept.add_argument("--write-baseline", type=Path, metavar="FILE", help="write all problems to this file")
     parser.add_argument("--exit-zero", action="store_true", help="exit with 0, whatever is found")
     parser.add_argument("--statistics", action="store_true", help="print how often each code is found, and no problems")
+    parser.add_argument(
+        "--jobs", type=int, default=1, metavar="N", help="processes for task files (default: 1); Turtle takes one"
+    )
     parser.add_argument("--quiet", action="store_true", help="print the problems, and nothing else")
     parser.add_argument("--output-file", type=Path, metavar="FILE", help="write to this file, not to standard output")
     parser.add_argument(
@@ -129,6 +132,8 @@ def _checked(arguments: argparse.Namespace) -> int:
 
 def _refuse_combinations(arguments: argparse.Namespace) -> None:
     """Say which options do not go together."""
+    if arguments.jobs < 1:
+        raise OntoError.of("CLI002", f"--jobs {arguments.jobs} is no number of processes", "give 1 or more")
     repairing = arguments.fix or arguments.diff
     given = (*arguments.paths, *arguments.shapes)
     if repairing and not arguments.paths:
@@ -214,7 +219,7 @@ def _report(arguments: argparse.Namespace, inputs: Inputs, settings: Settings) -
 
     with progress() as step:
         run = check if arguments.no_cache else cached_check
-        report = check_all(inputs.paths, inputs.texts, settings, step, run)
+        report = check_all(inputs.paths, inputs.texts, settings, step, run, arguments.jobs)
         if arguments.reasoner == "hermit":
             from onto_compiler.check.hermit import with_hermit  # noqa: PLC0415 - as above
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from onto_compiler.check.imports import Imports
 from onto_compiler.check.model import load_model
@@ -14,9 +15,13 @@ from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.folders import actual, below
 from onto_compiler.problems import OntoError, Problem
 
+if TYPE_CHECKING:
+    from onto_compiler.bddl import TaskSpec
+
 __all__ = ["ENDINGS", "check_all", "check_tasks", "split"]
 
 ENDINGS = (".ttl", ".bddl")
+_SHARE = 16  # tasks: to begin a process takes longer than to check as many
 
 
 def split(paths: Sequence[Path | str]) -> tuple[tuple[Path, ...], tuple[Path, ...]]:
@@ -45,21 +50,25 @@ def check_all(
     settings: Settings = DEFAULT,
     step: Step = silent,
     run: Callable[..., Report] = check,
+    jobs: int = 1,
 ) -> Report:
     """Check Turtle and task files together; the tasks are lifted by the shipped ontology with the given Turtle on top.
 
-    ``texts`` is as :func:`onto_compiler.check.model.load_model` has it. Tasks wait while their ontology is no Turtle.
-    ``run`` takes the place of :func:`~onto_compiler.check.run.check`.
+    ``texts`` is as :func:`onto_compiler.check.model.load_model` has it. While their ontology is no Turtle, tasks
+    are only parsed. ``run`` takes the place of :func:`~onto_compiler.check.run.check`, and ``jobs`` processes take the
+    tasks.
     """
     turtle, tasks = split(paths)
     report = run(turtle, texts, settings, step) if turtle or not tasks else Report((), (), 0)
     if not tasks:
         return report
-    files = (*report.files, *tasks)
-    if turtle and any(problem.code.startswith("TTL") and problem.severity == "error" for problem in report.problems):
-        return replace(report, files=files)
-    problems = settings.chosen(check_tasks(tasks, turtle, texts, settings.imported))
-    return replace(report, problems=tuple(sorted({*report.problems, *problems})), files=files)
+    broken = turtle and any(one.code.startswith("TTL") and one.severity == "error" for one in report.problems)
+    if broken:
+        found = tuple(_parse_problems(tasks, texts or {}))
+    else:
+        found = check_tasks(tasks, turtle, texts, settings.imported, jobs)
+    problems = tuple(sorted({*report.problems, *settings.chosen(found)}))
+    return replace(report, problems=problems, files=(*report.files, *tasks))
 
 
 def check_tasks(
@@ -67,23 +76,61 @@ def check_tasks(
     turtle: Sequence[Path] = (),
     texts: Mapping[Path, str] | None = None,
     imported: Mapping[str, Path] | None = None,
+    jobs: int = 1,
 ) -> tuple[Problem, ...]:
     """Every problem of the task files: what does not parse or lift, and what ``lift`` warns of.
 
-    ``imported`` are files by the IRI that the ontology imports them by.
+    ``imported`` are files by the IRI that the ontology imports them by. At most ``jobs`` processes each read the
+    ontology, and a share of the tasks.
     """
-    from onto_compiler.bddl import lift, parse, parse_file  # noqa: PLC0415 - Lark is heavy, and Turtle needs none
+    from onto_compiler.pool import map_over_processes  # noqa: PLC0415 - Turtle needs none
+
+    workers = max(min(jobs, len(tasks) // _SHARE), 1)
+    shares = [
+        _Share(tuple(tasks[start::workers]), tuple(turtle), texts or {}, imported or {}) for start in range(workers)
+    ]
+    found = {problem for _, problems in map_over_processes(_lifted, shares, workers) for problem in problems}
+    return tuple(sorted(found))
+
+
+@dataclass(frozen=True)
+class _Share:
+    """The tasks that one process takes, and what it reads for them."""
+
+    tasks: tuple[Path, ...]
+    turtle: tuple[Path, ...]
+    texts: Mapping[Path, str]
+    imported: Mapping[str, Path]
+
+
+def _lifted(share: _Share) -> tuple[Problem, ...]:
+    from onto_compiler.bddl import lift  # noqa: PLC0415 - Lark is heavy, and Turtle needs none
     from onto_compiler.compile_schema import compile_schema  # noqa: PLC0415 - as above
 
-    problems: list[Problem] = []
     try:
-        schema = compile_schema(load_model(turtle, texts, lead=Imports(imported or {})).store)
+        schema = compile_schema(load_model(share.turtle, share.texts, lead=Imports(share.imported)).store)
     except OntoError as error:
         return error.problems
-    for path in tasks:
+    problems: list[Problem] = []
+    for path in share.tasks:
         try:
-            task = parse(texts[path], str(path)) if texts and path in texts else parse_file(path)
-            problems += lift(task, schema, path.stem)[1]
+            problems += lift(_parsed(path, share.texts), schema, path.stem)[1]
         except OntoError as error:
             problems += error.problems
-    return tuple(sorted(set(problems)))
+    return tuple(problems)
+
+
+def _parse_problems(tasks: Sequence[Path], texts: Mapping[Path, str]) -> list[Problem]:
+    problems: list[Problem] = []
+    for path in tasks:
+        try:
+            _parsed(path, texts)
+        except OntoError as error:
+            problems += error.problems
+    return problems
+
+
+def _parsed(path: Path, texts: Mapping[Path, str]) -> TaskSpec:
+    from onto_compiler.bddl import parse, parse_file  # noqa: PLC0415 - Lark is heavy, and Turtle needs none
+
+    return parse(texts[path], str(path)) if path in texts else parse_file(path)

@@ -92,9 +92,8 @@ def _files_of(problems: Iterable[Problem]) -> tuple[Path, ...]:
 def _lacks_a_class(problem: Problem, graph: Graph) -> bool:
     """Whether a shape misses the class of a term, of which a file that was not read may have said it."""
     result = problem.result or {}
-    component = result.get("sourceConstraintComponent", {}).get("value", "")
-    value = result.get("value", {})
-    if component != f"{SH}ClassConstraintComponent" or value.get("type") != "uri":
+    value = result.get("value") or {}
+    if result.get("sourceConstraintComponent") != f"{SH}ClassConstraintComponent" or value.get("type") != "uri":
         return False
     return not graph.objects(NamedNode(value["value"]), TYPE)
 

@@ -64,3 +64,23 @@ def test_a_small_file_and_a_missing_one_are_not_kept(calls, tmp_path, monkeypatc
     cached_check([tmp_path / "x.ttl"])
     assert [problem.code for problem in cached_check([tmp_path / "gone.ttl"]).problems] == ["TTL002"]
     assert not (tmp_path / "cache").exists()
+
+
+def test_a_change_of_an_import_or_of_a_catalog_is_noticed(calls, tmp_path):
+    head = "<https://example.org/x> a owl:Ontology ; owl:imports <https://example.org/y> .\n"
+    (tmp_path / "x.ttl").write_text(TEXT.replace("Klass", "Class") + head)
+    upper, catalog = tmp_path / "y.ttl", tmp_path / "catalog-v001.xml"
+
+    def codes():
+        return [problem.code for problem in cached_check([tmp_path / "x.ttl"]).problems]
+
+    assert codes() == codes() == ["OWL003"]
+    upper.write_text(TEXT)
+    catalog.write_text(
+        '<catalog xmlns="urn:oasis:names:tc:entity:xmlns:xml:catalog">'
+        '<uri name="https://example.org/y" uri="y.ttl"/></catalog>'
+    )
+    assert codes() == codes() == []
+    upper.write_text("x:a")
+    assert codes() == codes() == ["TTL003"]
+    assert len(calls) == 3

@@ -184,6 +184,11 @@ def test_the_nearest_settings_count(name, tmp_path):
         ('severity = { VOC006 = "warn" }', "there are error, warning, info"),
         ('severity = { VOC0066 = "error" }', "did you mean `VOC006`?"),
         ('per-file-ignores = ["a.ttl"]', "see docs/checks.md"),
+        ('exclude = "a.ttl"', 'write `exclude = ["..."]`'),
+        ('exclud = ["a.ttl"]', "did you mean `exclude`?"),
+        ('imports = ["a.ttl"]', "see docs/checks.md"),
+        ("imports = { x = 3 }", 'write `"IRI" = "FILE"`'),
+        ('imports = { x = "none.ttl" }', "correct the path"),
         ('per-file-ignores = { "a.ttl" = ["DOC0004"] }', "did you mean `DOC004`?"),
     ],
 )
@@ -194,6 +199,29 @@ def test_a_wrong_setting_is_named(text, said, tmp_path):
     (problem,) = raised.value.problems
     assert problem.code == "CFG001"
     assert problem.hint.startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("onto.toml", "[chek]\nignore = []", "did you mean `check`?"),
+        ("onto.toml", "ignore = []", "write the settings below `[check]`"),
+        ("onto.toml", "check = 3", "see docs/checks.md"),
+        ("pyproject.toml", "[tool.onto.checks]\nignore = []", "did you mean `check`?"),
+        ("pyproject.toml", "[tool.onto]\ncheck = 3", "see docs/checks.md"),
+    ],
+)
+def test_a_table_that_nothing_reads_is_named(name, text, said, tmp_path):
+    (tmp_path / name).write_text(text)
+    with pytest.raises(OntoError) as raised:
+        read_settings([tmp_path])
+    (problem,) = raised.value.problems
+    assert (problem.code, problem.hint.startswith(said)) == ("CFG001", True)
+
+
+def test_tables_of_other_commands_and_tools_are_left_alone(tmp_path):
+    (tmp_path / "pyproject.toml").write_text('[tool.onto]\nimports = ["m"]\n[tool.onto.schema]\n[tool.check]\n[chek]\n')
+    assert read_settings([tmp_path]) == Settings()
 
 
 def test_codes_may_be_given_by_how_they_begin():

@@ -9,6 +9,8 @@ import pytest
 from onto_compiler.check.catalog import NAME, read_catalog
 from onto_compiler.check.command import CHECK
 from onto_compiler.check.data import check_data
+from onto_compiler.check.run import check
+from onto_compiler.check.settings import Settings
 from onto_compiler.command import CLEAN, FINDINGS
 from onto_compiler.problems import OntoError
 from tests.listening import listening
@@ -229,3 +231,79 @@ def test_no_import_and_no_catalog_reaches_the_network(put):
         assert [one[0] for one in found(data, put("shapes.ttl", SHAPE))] == ["IMP001", "IMP001"]
         assert len(read_catalog(data.parent / NAME).entries) == 2
         assert not made
+
+
+def plain(path, settings=Settings(ignore=("VOC",))):  # noqa: B008 - frozen
+    return [(p.code, p.severity, Path(p.file).name, p.line) for p in check([path], settings=settings).problems]
+
+
+def test_a_plain_check_follows_imports_too(importing, put):
+    data, _ = importing
+    unknown = [("OWL003", "info", "data.ttl", 5)]
+    assert plain(data) == unknown
+    upper = put("lib/upper.ttl", UPPER)
+    mapped = (("http://example.org/upper", upper),)
+    assert plain(data, Settings(ignore=("VOC",), imports=mapped)) == []
+    assert plain(data, Settings(ignore=("VOC",), mapped=mapped)) == []
+    assert run(data, "--import", f"http://example.org/upper={upper}", "--fail-on", "warning") == CLEAN
+    put(NAME, CATALOG.format(TO_UPPER.format("lib/upper.ttl")))
+    assert plain(data) == []
+
+
+def test_of_a_plain_check_what_an_import_holds_counts_and_is_not_reported(importing, put):
+    data, _ = importing
+    put(NAME, CATALOG.format(TO_UPPER.format("upper.ttl")))
+    put("upper.ttl", UPPER + " ex:Tool owl:disjointWith ex:Toy . ex:b a ex:Tool , ex:Toy . ex:c a owl:Klass .")
+    assert plain(data) == []
+    data.write_text(data.read_text() + "ex:a a ex:Toy .\n")
+    assert [one[0] for one in plain(data)] == ["OWL009"]
+
+
+def test_a_plain_check_says_why_an_import_is_not_followed(importing, put):
+    data, _ = importing
+    put(NAME, CATALOG.format(TO_UPPER.format("none.ttl")))
+    assert plain(data) == [("IMP001", "warning", "data.ttl", 5)]
+    put(NAME, "no XML")
+    assert [one[:3] for one in plain(data)] == [("IMP002", "error", NAME)]
+    put(NAME, CATALOG.format(TO_UPPER.format("upper.ttl")))
+    put("upper.ttl", "ex:a")
+    assert [one[:3] for one in plain(data)] == [("TTL005", "error", "upper.ttl")]
+
+
+def test_of_a_plain_check_only_the_mappings_of_the_command_line_must_be_imported(importing, put):
+    data, _ = importing
+    upper = put("upper.ttl", UPPER)
+    mapped = (("http://example.org/uper", upper),)
+    ignored = ("VOC", "OWL003")
+    assert plain(data, Settings(ignore=ignored, imports=mapped)) == []
+    assert plain(data, Settings(ignore=ignored, mapped=mapped)) == [("IMP001", "warning", "upper.ttl", 0)]
+
+
+def test_a_plain_check_ends_where_imports_go_in_a_circle(put):
+    first = put("first.ttl", "<> a owl:Ontology ; owl:imports <second.ttl> , <first.ttl> .")
+    put("second.ttl", "<> a owl:Ontology ; owl:imports <first.ttl> , <second.ttl> .")
+    assert plain(first) == []
+
+
+def test_a_copy_of_a_shipped_ontology_may_be_mapped(put):
+    manipulation = "https://w3id.org/onto-evwm/manipulation"
+    copy = put("copy.ttl", f"<{manipulation}> a owl:Ontology . <{manipulation}#Mine> a owl:Class .")
+    data = put("data.ttl", f"<> owl:imports <{manipulation}> . ex:a a <{manipulation}#Mine> , <{manipulation}#Objec> .")
+    report = check([data], settings=Settings(mapped=((manipulation, copy),)))
+    assert [one.message for one in report.problems if one.code == "VOC001"] == ["`man:Objec` is not declared"]
+    assert "ontology/manipulation.ttl" not in {str(path) for path in report.files}
+
+
+def test_settings_map_imports_for_shapes_too(importing, put):
+    data, shapes = importing
+    put("elsewhere.ttl", UPPER)
+    put("onto.toml", '[check]\nimports = { "http://example.org/upper" = "elsewhere.ttl" }\n')
+    assert run(data, "--shapes", shapes) == FINDINGS
+
+
+def test_the_files_that_decide_the_result_are_named(importing, put):
+    data, shapes = importing
+    catalog = put(NAME, CATALOG.format(TO_UPPER.format("upper.ttl")))
+    upper = put("upper.ttl", UPPER)
+    for report in (check([data]), check_data([data], [shapes])):
+        assert {catalog, upper, catalog.parent / "own" / NAME} <= set(report.consulted)

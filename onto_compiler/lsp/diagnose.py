@@ -6,6 +6,7 @@ the typing stops. Until then, what only the whole check finds stays where the te
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -21,19 +22,20 @@ from onto_compiler.check.model import load_model
 from onto_compiler.check.prefixes import check_prefixes
 from onto_compiler.check.queries import query_checks, run_query
 from onto_compiler.check.run import check
-from onto_compiler.check.settings import DEFAULT
+from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.check.suppressions import unsuppressed
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.schema import Schema
 from onto_compiler.sources import read_into
 
-__all__ = ["NOTHING", "Around", "formatted", "moved", "quick_turtle", "task_problems", "whole_turtle"]
+__all__ = ["NOTHING", "Around", "formatted", "moved", "quick_turtle", "task_problems", "texts_of", "whole_turtle"]
 
 Around = Mapping[Path, str | None]
 NOTHING: Around = {}
+_LINE_END = re.compile(r"\r\n|\n|\r")
 
 
-def quick_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Problem, ...]:
+def quick_turtle(path: Path, text: str, around: Around = NOTHING, settings: Settings = DEFAULT) -> tuple[Problem, ...]:
     """Syntax, prefixes, and the checks that are quick, of ``text`` as the content of ``path``.
 
     ``around`` are the other files of the same ontology, each with its text where that is not what is on disk.
@@ -41,34 +43,35 @@ def quick_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Probl
     if not path.exists():  # a buffer that was never saved has no place among other files
         return tuple(read_into(Store(), path, text))
     try:
-        model = load_model([path, *around], _texts(path, text, around))
+        model = load_model([path, *around], texts_of(path, text, around))
     except OntoError as error:
         return _own(path, error.problems)
     findings = [finding for one in query_checks() for finding in run_query(model, one)]
     findings += [*check_hierarchy(model), *check_domains(model), *check_deprecated(model)]
-    house = House(model)
+    house = House(model, settings.namespaces, settings.select)
     problems = {house.judged_problem(problem, graph) for problem, graph in check_prefixes(model)}
     problems |= {*locate(model, house.judged(findings))}
-    kept = unsuppressed(str(path), text, sorted(_own(path, problems)), DEFAULT.reports)
+    chosen = sorted(settings.chosen(_own(path, problems)))
+    kept = unsuppressed(str(path), text, chosen, settings.reports)
     return tuple(problem for problem in kept if problem.code != "CFG002")  # what the rest finds is not known yet
 
 
-def whole_turtle(path: Path, text: str, around: Around = NOTHING) -> tuple[Problem, ...]:
+def whole_turtle(path: Path, text: str, around: Around = NOTHING, settings: Settings = DEFAULT) -> tuple[Problem, ...]:
     """Everything that ``onto check`` says of ``text`` as the content of ``path``, with the files ``around`` it."""
     if not path.exists():
         return quick_turtle(path, text)
-    return _own(path, check([path, *around], _texts(path, text, around)).problems)
+    return _own(path, check([path, *around], texts_of(path, text, around), settings).problems)
 
 
-def task_problems(path: Path, text: str, schema: Schema) -> tuple[Problem, ...]:
+def task_problems(path: Path, text: str, schema: Schema, settings: Settings = DEFAULT) -> tuple[Problem, ...]:
     """All problems from parsing and lifting a task file."""
     from onto_compiler.bddl import lift, parse  # noqa: PLC0415 - Lark is heavy, and Turtle needs none
 
     try:
         _, warnings = lift(parse(text, str(path)), schema, path.stem)
     except OntoError as error:
-        return _own(path, error.problems)
-    return _own(path, warnings)
+        warnings = error.problems
+    return tuple(sorted(set(settings.chosen(_own(path, warnings)))))
 
 
 def formatted(path: Path, text: str, *, task: bool) -> str:
@@ -86,7 +89,7 @@ def formatted(path: Path, text: str, *, task: bool) -> str:
 
 def moved(problems: Iterable[Problem], before: str, after: str) -> tuple[Problem, ...]:
     """``problems`` of ``before`` as places of ``after``; those on lines that changed are left out."""
-    old, new = before.splitlines(), after.splitlines()
+    old, new = _LINE_END.split(before), _LINE_END.split(after)
     top = 0
     while top < min(len(old), len(new)) and old[top] == new[top]:
         top += 1
@@ -104,7 +107,8 @@ def moved(problems: Iterable[Problem], before: str, after: str) -> tuple[Problem
     return tuple(kept)
 
 
-def _texts(path: Path, text: str, around: Around) -> dict[Path, str]:
+def texts_of(path: Path, text: str, around: Around) -> dict[Path, str]:
+    """What the editor holds of ``path`` and of the files around it."""
     return {**{file: held for file, held in around.items() if held is not None}, path: text}
 
 

@@ -20,7 +20,7 @@ from onto_compiler.rdf import OWL, RDF
 from onto_compiler.terms import text_of
 from onto_compiler.turtle.source_map import map_text
 
-__all__ = ["Header", "header", "siblings", "turtle_below"]
+__all__ = ["MOST", "Header", "files_below", "header", "ontologies_above", "siblings", "turtle_below"]
 
 MOST: Final = 2000
 """How many Turtle files of a workspace are looked at."""
@@ -38,14 +38,19 @@ class Header:
 
 def turtle_below(folders: Sequence[Path]) -> tuple[Path, ...]:
     """The Turtle files in the folders and below; what is hidden, and what packages brought along, is passed over."""
-    return tuple(path for _, path in zip(range(MOST), _walk(folders), strict=False))
+    return files_below(folders, (".ttl",))
 
 
-def _walk(folders: Sequence[Path]) -> Iterator[Path]:
+def files_below(folders: Sequence[Path], endings: tuple[str, ...]) -> tuple[Path, ...]:
+    """As :func:`turtle_below`, of files whose names end so."""
+    return tuple(path for _, path in zip(range(MOST), _walk(folders, endings), strict=False))
+
+
+def _walk(folders: Sequence[Path], endings: tuple[str, ...]) -> Iterator[Path]:
     for folder in folders:
         for place, inner, names in os.walk(folder):
             inner[:] = sorted(name for name in inner if name[0] != "." and name != "node_modules")
-            yield from (Path(place, name) for name in sorted(names) if name.endswith(".ttl") and name[0] != ".")
+            yield from (Path(place, name) for name in sorted(names) if name.endswith(endings) and name[0] != ".")
 
 
 def header(text: str, path: Path) -> Header:
@@ -64,18 +69,53 @@ def siblings(path: Path, own: Header, files: Sequence[Path]) -> tuple[Path, ...]
     Where several declare the same ontology, the one nearest to the document counts; what declares a shipped ontology,
     or the document's own, never does.
     """
-    headers = {file: found for file in files if file != path and (found := _header_on_disk(file)) is not None}
-    nearest: dict[str, Path] = {}
-    for file in sorted(headers, key=lambda file: (-_shared(file, path), file)):
-        for iri in headers[file].declares:
-            nearest.setdefault(iri, file)
-    for iri in (*_shipped(), *own.declares):
+    headers = _headers(path, files)
+    nearest = _nearest(path, headers)
+    for iri in own.declares:
         nearest.pop(iri, None)
     counted = set(nearest.values())
     begin = [nearest[iri] for iri in own.imports if iri in nearest]
     begin += [file for iri, file in nearest.items() if iri.rstrip("#/") in own.namespaces]
     begin += [file for file in counted if headers[file].imports & (own.declares - _shipped())]
     return _closure(begin, headers, nearest)
+
+
+def ontologies_above(task: Path, folder: Path) -> tuple[Path, ...]:
+    """The ontologies that a task file of ``folder`` is lifted by, on top of the shipped ones.
+
+    They lie beside the task, or beside a folder above it or in a folder there; the nearest place that has any counts.
+    """
+    for above in (task.parent, *task.parent.parents):
+        if not above.is_relative_to(folder):
+            break
+        beside = sorted(above.glob("*.ttl")) if above == task.parent else sorted(above.glob("[!.]*/*.ttl"))
+        beside += sorted(above.glob("*.ttl")) if above != task.parent else ()
+        headers = _headers(task, beside[:MOST])
+        nearest = _nearest(task, headers)
+        begin = [file for file in {*nearest.values()} if _builds_on_ours(headers[file], headers, nearest)]
+        if begin:
+            return _closure(begin, headers, nearest)
+    return ()
+
+
+def _builds_on_ours(own: Header, headers: Mapping[Path, Header], nearest: Mapping[str, Path]) -> bool:
+    """Whether an ontology imports a shipped one, by way of others too."""
+    begin = [nearest[iri] for iri in own.imports if iri in nearest]
+    wider = (headers[file].imports for file in _closure(begin, headers, nearest))
+    return any(imports & _shipped() for imports in (own.imports, *wider))
+
+
+def _headers(path: Path, files: Sequence[Path]) -> dict[Path, Header]:
+    return {file: found for file in files if file != path and (found := _header_on_disk(file)) is not None}
+
+
+def _nearest(path: Path, headers: Mapping[Path, Header]) -> dict[str, Path]:
+    """The file that declares each ontology, the nearest to ``path`` of several; none that declares a shipped one."""
+    found: dict[str, Path] = {}
+    for file in sorted(headers, key=lambda file: (-_shared(file, path), file)):
+        for iri in headers[file].declares - _shipped():
+            found.setdefault(iri, file)
+    return found
 
 
 def _closure(begin: Sequence[Path], headers: Mapping[Path, Header], nearest: Mapping[str, Path]) -> tuple[Path, ...]:

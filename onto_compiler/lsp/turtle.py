@@ -15,7 +15,7 @@ from onto_compiler.rdf import PREFIXES, RDF
 from onto_compiler.turtle.source_map import map_text
 from onto_compiler.turtle.tokens import SourceText, Token, tokens
 
-__all__ = ["complete", "defined_at", "hover", "prefixes", "term_at"]
+__all__ = ["block_of", "complete", "defined_at", "hover", "prefixes", "term_at"]
 
 _DECLARED = re.compile(r"(?im)^[ \t]*@?prefix[ \t]+([\w.-]*):[ \t]*<([^>\s]*)>")
 _NAME = re.compile(r"([\w.-]*):([\w.-]*)$|([\w-]+)$")
@@ -96,11 +96,16 @@ def defined_at(text: str, path: Path, offset: int, vocabulary: Mapping[str, Voca
     here = _subject(text, path, found[0])
     if here is not None:
         return here
-    term = vocabulary.get(found[0])
-    if term is None or term.file is None or term.file == path:
+    return block_of(found[0], vocabulary, path)
+
+
+def block_of(iri: str, vocabulary: Mapping[str, VocabularyTerm], apart: Path | None = None) -> Span | None:
+    """The subject of the block that declares ``iri``, in a file other than ``apart``."""
+    term = vocabulary.get(iri)
+    if term is None or term.file is None or term.file == apart:
         return None
     try:
-        return _subject(term.file.read_text(encoding="utf-8-sig"), term.file, found[0])
+        return _subject(term.file.read_bytes().decode("utf-8-sig"), term.file, iri)
     except (OSError, UnicodeDecodeError):
         return None
 

@@ -17,8 +17,8 @@ def at(line):
 def test_a_problem_stays_on_a_line_of_the_same_text_or_goes(before, after, line):
     kept = moved([at(line)], "\n".join(before), "\n".join(after))
     for problem in kept:
-        if line <= len("\n".join(before).splitlines()):
-            assert "\n".join(after).splitlines()[problem.line - 1] == "\n".join(before).splitlines()[line - 1]
+        if line <= len("\n".join(before).split("\n")):
+            assert "\n".join(after).split("\n")[problem.line - 1] == "\n".join(before).split("\n")[line - 1]
 
 
 def test_an_insertion_above_moves_it_down_and_a_change_of_its_line_removes_it():

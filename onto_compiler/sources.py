@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from codecs import BOM_UTF8
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from pathlib import Path
 
 from pyoxigraph import NamedNode, Quad, RdfFormat, Store, parse
@@ -79,8 +80,9 @@ def read_into(store: Store, path: Path, text: str | None = None, written: list[Q
         if written is None:
             store.load(data, format=RdfFormat.TURTLE, base_iri=base, to_graph=graph)
         else:
-            read = parse(data, format=RdfFormat.TURTLE, base_iri=base, rename_blank_nodes=True)
-            statements = [Quad(one.subject, one.predicate, one.object, graph) for one in read]
+            # An editor's keystroke and a round of `--fix` read the files around the one that changed again.
+            read = _statements if text is None and len(data) < LARGE else _statements.__wrapped__
+            statements = read(data, base)
             store.extend(statements)
             written += statements
         if len(data) > LARGE and (problem := _too_long(store, path, data)) is not None:
@@ -95,6 +97,14 @@ def read_into(store: Store, path: Path, text: str | None = None, written: list[Q
     except OSError as error:
         return [_unreadable(path, f"cannot read `{path.name}`: {error.strerror or error}")]
     return []
+
+
+@lru_cache(maxsize=64)
+def _statements(data: bytes, base: str) -> tuple[Quad, ...]:
+    """The triples of a text in the graph of its address."""
+    read = parse(data, format=RdfFormat.TURTLE, base_iri=base, rename_blank_nodes=True)
+    graph = NamedNode(base)
+    return tuple(Quad(one.subject, one.predicate, one.object, graph) for one in read)
 
 
 def size_problem(path: Path) -> Problem | None:

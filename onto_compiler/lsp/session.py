@@ -25,7 +25,7 @@ from onto_compiler.lsp.vocabulary import VocabularyTerm, read_vocabulary
 from onto_compiler.problems import OntoError, Problem
 from onto_compiler.rdf import prologue
 from onto_compiler.schema import Schema
-from onto_compiler.sources import read_into
+from onto_compiler.sources import collect, read_into
 
 __all__ = ["Lifting", "OntoServer"]
 
@@ -59,7 +59,7 @@ class OntoServer(LanguageServer):
 
     def __init__(self, extra: tuple[Path, ...]) -> None:
         super().__init__("onto", version("onto-evwm"))
-        self.extra = extra
+        self.extra = collect(extra)
         self.states: dict[str, State] = {}
         self.faulty: set[str] = set()  # files of settings that are shown to be wrong
         self._lifting: dict[object, Lifting] = {}

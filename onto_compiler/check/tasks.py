@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["ENDINGS", "check_all", "check_tasks", "split"]
 
 ENDINGS = (".ttl", ".bddl")
+_OF_PREFIXES = frozenset(("TTL007", "TTL008"))  # of a file that is Turtle, whatever severity the settings give them
 _SHARE = 16  # tasks: to begin a process takes longer than to check as many
 
 
@@ -62,8 +63,7 @@ def check_all(
     report = run(turtle, texts, settings, step) if turtle or not tasks else Report((), (), 0)
     if not tasks:
         return report
-    broken = turtle and any(one.code.startswith("TTL") and one.severity == "error" for one in report.problems)
-    if broken:
+    if any(one.code.startswith("TTL") and one.code not in _OF_PREFIXES for one in report.problems):
         found = tuple(_parse_problems(tasks, texts or {}))
     else:
         found = check_tasks(tasks, turtle, texts, settings.imported, jobs)

@@ -182,6 +182,8 @@ class _Walk:
             self.stack.pop()
             self.verbs.pop()
             self.advance()
+        else:  # it closes nothing
+            self.stack[-1] = "end"
         if self.half.keys() >= {"prefix", "namespace"}:
             self.declared[self.half.pop("prefix")] = self.half.pop("namespace")
 

@@ -61,6 +61,9 @@ def lsp_table(result: Result) -> str:
             ("of these, the file is Turtle", m["parsed"], m["parsed_p50_ms"], m["parsed_p95_ms"], largest),
         )
     ]
+    if "all_p95_ms" in m:
+        times = (f"{m[name]:.1f}" for name in ("all_p50_ms", "all_p95_ms", "all_max_ms"))
+        rows.append(("keystroke to problems, semantic tokens and symbols", str(m["keystrokes"]), *times))
     whole = (str(m["whole_checks"]), f"{m['whole_p50_ms']:.1f}", "—", f"{m['whole_max_ms']:.1f}")
     rows.append(("whole check after a pause", *whole))
     return table(("what is timed", "n", "median ms", "95 % ms", "largest ms"), rows)

@@ -1,8 +1,9 @@
 """What a keystroke costs in an editor: from the change sent to the problems received, with a real server process.
 
 In every shipped Turtle file with terms a new block is typed after a block in the middle and rubbed out again, and a
-definition gets a word more: one change per character, each waited for, none faster than the server answers. Beside it
-stands the whole check, which the server runs once the typing stops.
+definition gets a word more: one change per character, each waited for, none faster than the server answers. After each
+change the semantic tokens and the symbols of the document are asked for, as an editor does; ``all_ms`` is when they are
+there too. Beside it stands the whole check, which the server runs once the typing stops.
 """
 
 from __future__ import annotations
@@ -86,8 +87,13 @@ def _keystroke(
     after = (line + 1, 0) if one == "\n" else (line, character + 1)
     found = client.replace(path, (line, character), after if erase else (line, character), "" if erase else one)
     seconds = time.perf_counter() - started
+    document = {"textDocument": {"uri": path.as_uri()}}
+    tokens = client.request("textDocument/semanticTokens/full", document)
+    symbols = client.request("textDocument/documentSymbol", document)
+    everything = time.perf_counter() - started
     broken = any(problem["code"].startswith("TTL") and problem["severity"] == 1 for problem in found)
-    return {**_row(where, seconds, len(found)), "parsed": not broken}
+    counted = {"tokens": len(tokens["data"]) // 5, "symbols": len(symbols), "parsed": not broken}
+    return {**_row(where, seconds, len(found)), "all_ms": round(1000 * everything, 3), **counted}
 
 
 def _row(where: str, seconds: float, problems: int) -> Row:
@@ -95,10 +101,14 @@ def _row(where: str, seconds: float, problems: int) -> Row:
 
 
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
-    """Percentiles of the keystrokes, of those among them after which the file is Turtle, and of the whole checks."""
+    """Percentiles of the keystrokes, of those among them after which the file is Turtle, and of the whole checks.
+
+    ``all`` stands for the problems with the semantic tokens and the symbols; older rows are without these.
+    """
     typed = sorted(row["ms"] for row in rows if row.get("in") in {"block", "definition"})
     whole = sorted(row["ms"] for row in rows if row.get("in") == "whole")
     parsed = sorted(row["ms"] for row in rows if row.get("parsed"))
+    answered = sorted(row["all_ms"] for row in rows if "all_ms" in row)
     return {
         "crashed": sum("crashed" in row for row in rows),
         "files": len({row["file"] for row in rows if "file" in row}),
@@ -112,6 +122,15 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
         "whole_checks": len(whole),
         "whole_p50_ms": _percentile(whole, 0.5),
         "whole_max_ms": whole[-1],
+        **(_all(answered) if answered else {}),
+    }
+
+
+def _all(answered: Sequence[float]) -> Mapping[str, float]:
+    return {
+        "all_p50_ms": _percentile(answered, 0.5),
+        "all_p95_ms": _percentile(answered, 0.95),
+        "all_max_ms": answered[-1],
     }
 
 
@@ -122,10 +141,10 @@ def _percentile(values: Sequence[float], share: float) -> float:
 
 LSP = Protocol(
     name="lsp",
-    help="milliseconds from a keystroke in a shipped Turtle file to the problems that the language server sends",
+    help="milliseconds from a keystroke in a shipped Turtle file to the language server's problems, tokens and symbols",
     seeds=(),
     trials=trials,
     run=run,
     metrics=metrics,
-    timed=frozenset({"ms"}),
+    timed=frozenset({"ms", "all_ms"}),
 )

@@ -3,7 +3,7 @@
 
 const vscode = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
-const { arguments_, watched } = require("./server.js");
+const { arguments_ } = require("./server.js");
 
 let client;
 
@@ -11,11 +11,9 @@ async function start() {
   const settings = vscode.workspace.getConfiguration("onto");
   const command = settings.get("command");
   const folder = vscode.workspace.workspaceFolders?.[0]?.uri.fsPath;
-  const watchers = watched.map((pattern) => vscode.workspace.createFileSystemWatcher(pattern));
   const run = { command, args: arguments_(settings.get("ontology")), options: { cwd: folder } };
   client = new LanguageClient("onto", "Onto", { run, debug: run }, {
     documentSelector: [{ scheme: "file", language: "turtle" }, { scheme: "file", language: "bddl" }],
-    synchronize: { fileEvents: watchers },
   });
   try {
     await client.start();

@@ -19,10 +19,12 @@ _PROGRAM = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]
 class Client(Closing):
     """A server process and the messages to and from it; ``log`` holds every notification in order.
 
-    ``folder`` is the workspace that the editor has open.
+    ``folder`` is the workspace that the editor has open, and ``capabilities`` are the editor's.
     """
 
-    def __init__(self, *arguments: str, folder: Path | None = None) -> None:
+    def __init__(
+        self, *arguments: str, folder: Path | None = None, capabilities: Mapping[str, object] | None = None
+    ) -> None:
         command = [sys.executable, "-c", _PROGRAM, "lsp", *arguments]
         self.process = subprocess.Popen(  # noqa: S603 - our own program
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -30,7 +32,7 @@ class Client(Closing):
         self.log: list[Mapping[str, Any]] = []
         self._number = 0
         self._versions: dict[str, int] = {}
-        start: dict[str, object] = {"processId": None, "rootUri": None, "capabilities": {"general": {}}}
+        start: dict[str, object] = {"processId": None, "rootUri": None, "capabilities": capabilities or {}}
         if folder is not None:
             start["workspaceFolders"] = [{"uri": folder.as_uri(), "name": folder.name}]
         self.capabilities = self.request("initialize", start)["capabilities"]

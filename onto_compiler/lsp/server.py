@@ -13,10 +13,14 @@ from onto_compiler.lsp.session import OntoServer
 
 __all__ = ["make_server"]
 
+_WATCHED = ("**/*.ttl", "**/{pyproject,onto}.toml")
+"""What is found in an open file may depend on these."""
+
 
 def make_server(extra: tuple[Path, ...] = ()) -> OntoServer:
     """A server that is ready to be started; ``extra`` is the user's own Turtle, for task files."""
     server = OntoServer(extra)
+    server.feature(types.INITIALIZED)(_ready)
     server.feature(types.TEXT_DOCUMENT_DID_OPEN)(_opened)
     server.feature(types.TEXT_DOCUMENT_DID_CHANGE)(_typed)
     server.feature(types.TEXT_DOCUMENT_DID_CLOSE)(_closed)
@@ -35,6 +39,16 @@ def make_server(extra: tuple[Path, ...] = ()) -> OntoServer:
     server.feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, requests.LEGEND)(requests.semantic_tokens)
     server.feature(types.TEXT_DOCUMENT_FORMATTING)(requests.format_document)
     return server
+
+
+async def _ready(ls: OntoServer, _params: types.InitializedParams) -> None:
+    """Ask for word of changes outside of the editor, where it can give it."""
+    workspace = ls.client_capabilities.workspace
+    watching = workspace.did_change_watched_files if workspace else None
+    if watching is not None and watching.dynamic_registration:
+        options = types.DidChangeWatchedFilesRegistrationOptions([types.FileSystemWatcher(one) for one in _WATCHED])
+        name = types.WORKSPACE_DID_CHANGE_WATCHED_FILES
+        await ls.client_register_capability_async(types.RegistrationParams([types.Registration(name, name, options)]))
 
 
 def _opened(ls: OntoServer, params: types.DidOpenTextDocumentParams) -> None:

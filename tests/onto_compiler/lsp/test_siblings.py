@@ -7,7 +7,7 @@ import pytest
 
 import ontology
 from onto_compiler.lsp.client import Client
-from onto_compiler.lsp.siblings import header, siblings, turtle_below
+from onto_compiler.lsp.siblings import header, ontologies_above, siblings, turtle_below
 
 pytest.importorskip("pygls")
 ROOT = Path(__file__).resolve().parents[3]
@@ -154,3 +154,32 @@ def test_a_shipped_file_takes_nobody_with_it():
     importers = [file for file in turtle_below([ROOT / "tests"]) if "man:" in file.read_text("utf-8", errors="replace")]
     assert len(importers) > 20
     assert found_for(path, ROOT) == ()
+
+
+def test_a_task_is_lifted_by_the_ontology_beside_it_or_near_an_ancestor(tmp_path):
+    (tmp_path / "ontology").mkdir()
+    (tmp_path / "tasks" / "easy").mkdir(parents=True)
+    task = tmp_path / "tasks" / "easy" / "serve.bddl"
+    task.write_text((ROOT / "docs/examples/serve_the_cheese.bddl").read_text())
+    served = Path(shutil.copy(ROOT / "docs/examples/served.ttl", tmp_path / "ontology"))
+    (tmp_path / "notes.ttl").write_text("@prefix ex: <http://e/> .\nex:a ex:b ex:c .\n")
+    assert ontologies_above(task, tmp_path) == (served,)
+    assert ontologies_above(task, task.parent) == (), "what lies outside of the workspace does not count"
+    nearer = Path(shutil.copy(served, task.parent))
+    assert ontologies_above(task, tmp_path) == (nearer,)
+    with Client(folder=tmp_path) as client:
+        found = client.open(task, task.read_text(), "bddl")
+        assert [one for one in found if one["severity"] == 1] == []
+
+
+def test_what_is_typed_in_the_ontology_counts_in_the_task(tmp_path):
+    served = Path(shutil.copy(ROOT / "docs/examples/served.ttl", tmp_path))
+    task = Path(shutil.copy(ROOT / "docs/examples/serve_the_cheese.bddl", tmp_path))
+    text = served.read_text()
+    with Client(folder=tmp_path) as client:
+        client.open(task, task.read_text(), "bddl")
+        client.open(served, text, "turtle")
+        line = next(i for i, row in enumerate(text.splitlines()) if "skos:notation" in row)
+        client.type(served, line, text.splitlines()[line].index('"') + 1, "Un")
+        found = next(d for _ in range(4) if (d := client.diagnostics(task.as_uri())))
+        assert [one["code"] for one in found if one["severity"] == 1] == ["BDDL003"]

@@ -27,7 +27,7 @@ def _run(options: argparse.Namespace) -> int:
 
 LSP = Command(
     name="lsp",
-    help="Serve an editor (LSP): problems, completion, hover and definitions in Turtle and BDDL.",
+    help="Serve an editor (LSP): problems, quick fixes, renaming, completion and more in Turtle and BDDL.",
     example="onto lsp --ontology my_domain.ttl",
     configure=_configure,
     run=_run,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache, partial
 from pathlib import Path
 
 from lsprotocol import types
@@ -13,6 +14,7 @@ from onto_compiler.lsp.answers import Change, Colour, Completion, Place, Refused
 from onto_compiler.lsp.diagnose import formatted
 from onto_compiler.lsp.document import Document
 from onto_compiler.lsp.session import OntoServer
+from onto_compiler.lsp.siblings import MOST
 from onto_compiler.problems import OntoError, Span
 
 __all__ = [
@@ -132,7 +134,9 @@ def prepare_rename(ls: OntoServer, params: types.PrepareRenameParams) -> types.P
         if document.is_task:
             use, written = task_names.renamable(document.source, offset)
             return types.PrepareRenamePlaceholder(document.range(use.start, use.end), written)
-        _, local, start = turtle_names.renamable(document.source, document.file, offset)
+        name, local, start = turtle_names.renamable(document.source, document.file, offset)
+        files = {document.file, *ls.files(document.file, ".ttl", ".rq")}
+        turtle_names.refuse_outside(name, local, files, ls.vocabulary(document))
         return types.PrepareRenamePlaceholder(document.range(start, start + len(local)), local)
     except RefusedError as error:
         raise JsonRpcException(str(error), _REFUSED) from error
@@ -162,11 +166,8 @@ def rename(ls: OntoServer, params: types.RenameParams) -> types.WorkspaceEdit:
 def document_symbols(ls: OntoServer, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
     """What a document declares."""
     document = ls.document(params.text_document.uri)
-    if document.is_task:
-        found = task_names.symbols(document.source)
-    else:
-        found = turtle_names.symbols(document.source, document.file)
-    return [_symbol(document, symbol) for symbol in found]
+    found = task_names.symbols if document.is_task else partial(turtle_names.symbols, path=document.file)
+    return [_symbol(document, symbol) for symbol in found(document.source)]
 
 
 def workspace_symbols(ls: OntoServer, params: types.WorkspaceSymbolParams) -> list[types.WorkspaceSymbol]:
@@ -174,8 +175,9 @@ def workspace_symbols(ls: OntoServer, params: types.WorkspaceSymbolParams) -> li
     found: list[types.WorkspaceSymbol] = []
     files = {document.file for document in ls.open_documents()}
     files.update(file for folder in ls.folders() for file in ls.files(folder, ".ttl", ".bddl"))
-    for path, text in ls.texts(sorted(files)).items():
-        symbols = task_names.symbols(text) if path.suffix == ".bddl" else turtle_names.symbols(text, path)
+    held = {document.file: document.source for document in ls.open_documents()}
+    for path in sorted(files):
+        symbols = _symbols(path, held[path]) if path in held else _stored_symbols(path)
         flat = [inner for one in symbols for inner in (one.children if one.kind == "section" else (one,))]
         fitting = [symbol for symbol in flat if _fits(params.query, symbol.name)]
         if fitting:
@@ -231,6 +233,27 @@ def _edit(ls: OntoServer, changes: Sequence[Change]) -> types.WorkspaceEdit:
         document = documents[change.file]
         edits.setdefault(document.uri, []).append(types.TextEdit(document.range(change.start, change.end), change.text))
     return types.WorkspaceEdit(changes=edits)
+
+
+def _symbols(path: Path, text: str) -> tuple[Symbol, ...]:
+    return task_names.symbols(text) if path.suffix == ".bddl" else turtle_names.symbols(text, path)
+
+
+def _stored_symbols(path: Path) -> tuple[Symbol, ...]:
+    try:
+        state = path.stat()
+    except OSError:
+        return ()
+    return _read_symbols(path, state.st_mtime_ns, state.st_size)
+
+
+@lru_cache(maxsize=2 * MOST)
+def _read_symbols(path: Path, _modified: int, _size: int) -> tuple[Symbol, ...]:
+    """The symbols of a file; the time and the size are part of the question, so that a change is noticed."""
+    try:
+        return _symbols(path, path.read_bytes().decode("utf-8-sig"))
+    except (OSError, UnicodeDecodeError):
+        return ()
 
 
 def _symbol(document: Document, symbol: Symbol) -> types.DocumentSymbol:

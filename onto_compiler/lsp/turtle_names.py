@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from pathlib import Path
 
 from pyoxigraph import RdfFormat, parse
@@ -17,7 +17,7 @@ from onto_compiler.schema import local_name
 from onto_compiler.turtle.tokens import SourceText, Token
 from onto_compiler.vocabularies import TERMS
 
-__all__ = ["colours", "read_outline", "references", "renamable", "rename", "symbols"]
+__all__ = ["colours", "read_outline", "references", "refuse_outside", "renamable", "rename", "symbols"]
 
 _CLASSES = {OWL + "Class", RDFS + "Class", RDFS + "Datatype"}
 _SHAPES = {SH + "NodeShape", SH + "PropertyShape"}
@@ -83,6 +83,19 @@ def renamable(text: str, path: Path, offset: int) -> tuple[Name, str, int]:
     return name, local, name.start + begin
 
 
+def refuse_outside(name: Name, local: str, files: Container[Path], vocabulary: Mapping[str, VocabularyTerm]) -> None:
+    """Refuse to rename a term that a file other than ``files`` declares.
+
+    Raises:
+        RefusedError: it is.
+
+    """
+    known = vocabulary.get(name.iri)
+    if known is not None and known.file not in files:
+        where = f"`{known.file.name}`" if known.file is not None else "a file"
+        raise RefusedError(f"`{local}` is declared in {where}, outside of this folder: rename it there.")
+
+
 def rename(
     name: Name,
     local: str,
@@ -105,10 +118,8 @@ def rename(
         return ()
     holding = {path: read_outline(path, text) for path, text in texts.items() if _may_hold(text, name.iri)}
     blocks = [block for read in holding.values() for block in read.blocks if block.subject.iri == name.iri]
-    known = vocabulary.get(name.iri)
-    if not any(block.types for block in blocks) and known is not None and known.file not in texts:
-        where = f"`{known.file.name}`" if known.file is not None else "a file"
-        raise RefusedError(f"`{local}` is declared in {where}, outside of this folder: rename it there.")
+    if not any(block.types for block in blocks):
+        refuse_outside(name, local, texts, vocabulary)
     if not blocks:
         raise RefusedError(f"No file of this folder declares `{local}`.")
     for path, text in texts.items():

@@ -1,6 +1,7 @@
 """Repairs, renaming, references, symbols and colours in a session with a real server process."""
 
 import shutil
+import time
 from pathlib import Path
 
 import pytest
@@ -196,6 +197,7 @@ def test_terms_of_others_are_not_renamed(client, kitchen):
         assert "standard vocabulary" in refused(client, "rename", path, place(KITCHEN, at, 6), newName="x")
     said = refused(client, "rename", path, place(KITCHEN, "man:Object", 5), newName="Thing")
     assert "`Object` is declared in `manipulation.ttl`, outside of this folder" in said
+    assert "outside of this folder" in refused(client, "prepareRename", path, place(KITCHEN, "man:Object", 5))
     assert "the two would become one" in refused(client, "rename", path, place(KITCHEN, "ex:Spoon"), newName="Ladle")
 
 
@@ -319,3 +321,24 @@ def test_a_line_ends_where_the_protocol_ends_it(client, kitchen):
     text = odd.replace("rdfs:isDefinedBy <https", "rdfs:xisDefinedBy <https")
     found = client.diagnostics(path.as_uri())
     assert "rdfs:xisDefinedBy" in {part(text, one["range"]) for one in found}
+
+
+def test_an_editor_that_can_watch_files_is_asked_to(kitchen):
+    able = {
+        "workspace": {
+            "didChangeWatchedFiles": {"dynamicRegistration": True},
+            "semanticTokens": {"refreshSupport": True},
+        }
+    }
+    path = kitchen / "kitchen.ttl"
+    with Client(folder=kitchen, capabilities=able) as running:
+        opened(running, path)
+        for _ in range(100):  # the terms of other files are read once the problems are out
+            running.request("workspace/symbol", {"query": "nothing is called so"})
+            asked = {message["method"]: message.get("params") for message in running.log if "method" in message}
+            if "workspace/semanticTokens/refresh" in asked:
+                break
+            time.sleep(0.05)
+        assert "workspace/semanticTokens/refresh" in asked
+        (watching,) = asked["client/registerCapability"]["registrations"]
+        assert watching["method"] == "workspace/didChangeWatchedFiles"

@@ -92,14 +92,14 @@ def define(ls: OntoServer, params: types.DefinitionParams) -> types.Location | l
     document = ls.document(params.text_document.uri)
     offset, path = document.offset_at_position(params.position), document.file
     if not document.is_task:
-        span = turtle.defined_at(document.source, path, offset, ls.vocabulary(document))
+        span = turtle.defined_at(document.source, path, offset, ls.vocabulary(document), ls.text_of)
         return _location(ls, document, span) if span else None
     span = bddl.defined_at(document.source, str(path), offset)
     if span is not None:
         return _location(ls, document, span)
     lifting = ls.lifting(document)
     terms = bddl.terms_at(document.source, offset, lifting.schema, lifting.categories)
-    blocks = (turtle.block_of(iri, lifting.vocabulary) for iri in terms)
+    blocks = (turtle.block_of(iri, lifting.vocabulary, ls.text_of) for iri in terms)
     found = [_location(ls, document, block) for block in blocks if block]
     return found[0] if len(found) == 1 else found or None
 
@@ -135,8 +135,7 @@ def prepare_rename(ls: OntoServer, params: types.PrepareRenameParams) -> types.P
             use, written = task_names.renamable(document.source, offset)
             return types.PrepareRenamePlaceholder(document.range(use.start, use.end), written)
         name, local, start = turtle_names.renamable(document.source, document.file, offset)
-        files = {document.file, *ls.files(document.file, ".ttl", ".rq")}
-        turtle_names.refuse_outside(name, local, files, ls.vocabulary(document))
+        turtle_names.refuse_foreign(name, local, _turtle(ls, document), ls.vocabulary(document))
         return types.PrepareRenamePlaceholder(document.range(start, start + len(local)), local)
     except RefusedError as error:
         raise JsonRpcException(str(error), _REFUSED) from error

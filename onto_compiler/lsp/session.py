@@ -87,6 +87,10 @@ class OntoServer(LanguageServer):
         held = (one for one in self.open_documents() if one.file == path)
         return next(held, None) or read_document(path, self.workspace.position_codec)
 
+    def text_of(self, path: Path) -> str:
+        """The text of a file, as the editor holds it where it is open; one that cannot be read has none."""
+        return self.document_of(path).source
+
     def open_documents(self) -> list[Document]:
         """Every open document."""
         return [one for one in self.workspace.text_documents.values() if isinstance(one, Document)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from pyoxigraph import NamedNode
@@ -88,26 +88,26 @@ def hover(text: str, offset: int, vocabulary: Mapping[str, VocabularyTerm]) -> H
     return Hover(vocabulary[found[0]].markdown, SourceText("", text).span(found[1].start, found[1].end))
 
 
-def defined_at(text: str, path: Path, offset: int, vocabulary: Mapping[str, VocabularyTerm]) -> Span | None:
-    """Where the term at ``offset`` is the subject of a block: in this buffer, or else in the file that types it."""
+def defined_at(
+    text: str, path: Path, offset: int, vocabulary: Mapping[str, VocabularyTerm], read: Callable[[Path], str]
+) -> Span | None:
+    """Where the term at ``offset`` is the subject of a block: in this buffer, or else in the file that types it.
+
+    ``read`` gives the text of another file.
+    """
     found = term_at(text, offset)
     if found is None:
         return None
+    term = vocabulary.get(found[0])
     here = _subject(text, path, found[0])
-    if here is not None:
-        return here
-    return block_of(found[0], vocabulary, path)
+    elsewhere = here is None and term is not None and term.file != path
+    return block_of(found[0], vocabulary, read) if elsewhere else here
 
 
-def block_of(iri: str, vocabulary: Mapping[str, VocabularyTerm], apart: Path | None = None) -> Span | None:
-    """The subject of the block that declares ``iri``, in a file other than ``apart``."""
+def block_of(iri: str, vocabulary: Mapping[str, VocabularyTerm], read: Callable[[Path], str]) -> Span | None:
+    """The subject of the block that declares ``iri``, in the file that does; ``read`` gives its text."""
     term = vocabulary.get(iri)
-    if term is None or term.file is None or term.file == apart:
-        return None
-    try:
-        return _subject(term.file.read_bytes().decode("utf-8-sig"), term.file, iri)
-    except (OSError, UnicodeDecodeError):
-        return None
+    return _subject(read(term.file), term.file, iri) if term is not None and term.file is not None else None
 
 
 def _subject(text: str, path: Path, iri: str) -> Span | None:

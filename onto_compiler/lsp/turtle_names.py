@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from pyoxigraph import RdfFormat, parse
@@ -17,7 +17,7 @@ from onto_compiler.schema import local_name
 from onto_compiler.turtle.tokens import SourceText, Token
 from onto_compiler.vocabularies import TERMS
 
-__all__ = ["colours", "read_outline", "references", "refuse_outside", "renamable", "rename", "symbols"]
+__all__ = ["colours", "read_outline", "references", "refuse_foreign", "renamable", "rename", "symbols"]
 
 _CLASSES = {OWL + "Class", RDFS + "Class", RDFS + "Datatype"}
 _SHAPES = {SH + "NodeShape", SH + "PropertyShape"}
@@ -83,17 +83,21 @@ def renamable(text: str, path: Path, offset: int) -> tuple[Name, str, int]:
     return name, local, name.start + begin
 
 
-def refuse_outside(name: Name, local: str, files: Container[Path], vocabulary: Mapping[str, VocabularyTerm]) -> None:
-    """Refuse to rename a term that a file other than ``files`` declares.
+def refuse_foreign(name: Name, local: str, texts: Mapping[Path, str], vocabulary: Mapping[str, VocabularyTerm]) -> None:
+    """Refuse to rename a term that none of ``texts`` declares.
 
     Raises:
-        RefusedError: it is.
+        RefusedError: none does; the message names the file that does.
 
     """
+    holding = (read_outline(path, text) for path, text in texts.items() if _may_hold(text, name.iri))
+    blocks = [block for read in holding for block in read.blocks if block.subject.iri == name.iri]
     known = vocabulary.get(name.iri)
-    if known is not None and known.file not in files:
+    if not any(block.types for block in blocks) and known is not None and known.file not in texts:
         where = f"`{known.file.name}`" if known.file is not None else "a file"
         raise RefusedError(f"`{local}` is declared in {where}, outside of this folder: rename it there.")
+    if not blocks:
+        raise RefusedError(f"No file of this folder declares `{local}`.")
 
 
 def rename(
@@ -116,21 +120,17 @@ def rename(
     wanted = stem + new
     if wanted == name.iri:
         return ()
-    holding = {path: read_outline(path, text) for path, text in texts.items() if _may_hold(text, name.iri)}
-    blocks = [block for read in holding.values() for block in read.blocks if block.subject.iri == name.iri]
-    if not any(block.types for block in blocks):
-        refuse_outside(name, local, texts, vocabulary)
-    if not blocks:
-        raise RefusedError(f"No file of this folder declares `{local}`.")
+    refuse_foreign(name, local, texts, vocabulary)
     for path, text in texts.items():
         taken = next(references(wanted, {path: text}), None)
         if taken is not None:
             line = SourceText("", text).span(taken.start, taken.start).line
             raise RefusedError(f"`{new}` is a term already ({path.name}:{line}): the two would become one.")
     return tuple(
-        Change(path, each.start, each.end, _renamed(_written(texts[path], each), each, local, new, wanted))
-        for path, read in holding.items()
-        for each in read.of(name.iri)
+        Change(path, each.start, each.end, _renamed(_written(text, each), each, local, new, wanted))
+        for path, text in texts.items()
+        if _may_hold(text, name.iri)
+        for each in read_outline(path, text).of(name.iri)
     )
 
 

@@ -149,6 +149,17 @@ def test_each_problem_that_fix_repairs_has_a_quick_fix_and_all_together_do_what_
     assert after == fix([path]).after[path.resolve()]
 
 
+def test_an_editor_that_resolves_actions_gets_the_large_repair_when_it_is_chosen(kitchen):
+    able = {"textDocument": {"codeAction": {"resolveSupport": {"properties": ["edit"]}}}}
+    path = kitchen / "kitchen.ttl"
+    with Client(folder=kitchen, capabilities=able) as running:
+        offered = actions(running, path, opened(running, path))
+        (everything,) = [one for one in offered if one["kind"] == "source.fixAll.onto"]
+        assert "edit" not in everything
+        resolved = running.request("codeAction/resolve", everything)
+        assert edited(KITCHEN, resolved["edit"]["changes"][path.as_uri()]) == fix([path]).after[path.resolve()]
+
+
 def test_nothing_is_offered_where_nothing_can_be_repaired(client, kitchen):
     path = kitchen / "data" / "mine.ttl"
     assert actions(client, path, opened(client, path)) == []

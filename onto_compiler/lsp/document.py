@@ -67,9 +67,11 @@ class Document(TextDocument):
         """The place of an offset."""
         span = self.text.span(offset, offset)
         begin = self.text.starts[span.line - 1]
-        before = self.source[begin:offset]
-        column = len(before) if before.isascii() else self.position_codec.client_num_units(before)
-        return types.Position(span.line - 1, column)
+        return types.Position(span.line - 1, self.units(self.source[begin:offset]))
+
+    def units(self, part: str) -> int:
+        """How long a part of a line is to the client."""
+        return len(part) if part.isascii() else self.position_codec.client_num_units(part)
 
     def range(self, start: int, end: int) -> types.Range:
         """The range of the characters from ``start`` up to ``end``."""

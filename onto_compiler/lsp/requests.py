@@ -285,16 +285,13 @@ def _fits(query: str, name: str) -> bool:
 def _encoded(document: Document, colours: Iterable[Colour]) -> list[int]:
     """Five numbers for each: lines and units from the one before, length, type and modifiers."""
     starts, source = document.text.starts, document.source
-    ascii_only, count = source.isascii(), document.position_codec.client_num_units
     data: list[int] = []
     line = last_line = last_column = 0
     for colour in colours:
         while line + 1 < len(starts) and starts[line + 1] <= colour.start:
             line += 1
-        if ascii_only:
-            column, length = colour.start - starts[line], colour.end - colour.start
-        else:
-            column, length = count(source[starts[line] : colour.start]), count(source[colour.start : colour.end])
+        column = document.units(source[starts[line] : colour.start])
+        length = document.units(source[colour.start : colour.end])
         data += (
             line - last_line,
             column - last_column if line == last_line else column,

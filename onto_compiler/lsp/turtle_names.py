@@ -201,7 +201,7 @@ def _plain(text: str, token: Token) -> Iterator[Colour]:
         yield Colour(token.start, token.end, "parameter")
     elif token.kind == "word" or token.text.lower() in {"@prefix", "@base", "@version"}:
         yield Colour(token.start, token.end, "keyword")
-    elif token.kind == "name" and len(token.text) > 1:  # a prefix where it is declared
+    elif token.kind == "name" and token.text[0] != ":":  # a prefix where it is declared
         yield Colour(token.start, token.start + token.text.index(":"), "namespace")
 
 

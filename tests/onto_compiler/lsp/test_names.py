@@ -200,3 +200,26 @@ def test_colours_cover_the_text_in_order_and_never_overlap():
         assert all(one.end <= other.start for one, other in pairwise(found)), path
         assert not any("\n" in text[one.start : one.end] for one in found), path
         assert len({one.kind for one in found}) > 4, path
+
+
+BROKEN = st.tuples(
+    st.integers(0, 4000), st.text(st.sampled_from("<>()[]{}|~^.;,:\"'\\@#?a- \n😀"), max_size=8), st.integers(0, 40)
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.sampled_from([TASK, DIAGNOSIS, ROOT / "docs/examples/served.ttl"]), st.lists(BROKEN, min_size=1, max_size=3))
+def test_nothing_fails_on_a_broken_text(path, slips):
+    text = path.read_text()
+    for at, typed, erased in slips:
+        text = text[:at] + typed + text[at + erased :]
+    if path == TASK:
+        found, coloured = task_names.symbols(text), list(task_names.colours(text))
+        flat = [inner for symbol in found for inner in (symbol, *symbol.children)]
+    else:
+        flat, coloured = turtle_names.symbols(text, path), list(turtle_names.colours(text, path, {}))
+    for symbol in flat:
+        assert symbol.start <= symbol.name_start <= symbol.name_end <= symbol.end <= len(text)
+        assert symbol.name, "an editor refuses a list that holds a symbol without a name"
+    assert all(one.end <= other.start for one, other in pairwise(coloured))
+    assert all(one.start < one.end for one in coloured)

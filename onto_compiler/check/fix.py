@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from pyoxigraph import Store
 
 from onto_compiler.check.edits import Edit, apply, edits
 from onto_compiler.check.formats.checked import Repair
+from onto_compiler.check.imports import Imports
 from onto_compiler.check.model import Model, load_model
-from onto_compiler.check.run import Report, check, check_model
+from onto_compiler.check.run import Report, check_model
 from onto_compiler.check.settings import DEFAULT, Settings
 from onto_compiler.check.tasks import check_all, split
 from onto_compiler.problems import OntoError, Problem
@@ -37,19 +37,17 @@ class Fixed:
 
 @dataclass(frozen=True, slots=True)
 class Repairs:
-    """What :func:`repair` did; ``report`` is of the resulting texts, and None where they were not checked."""
+    """What :func:`repair` did."""
 
     edits: tuple[Edit, ...]
     before: Mapping[Path, str]
     after: Mapping[Path, str]  # as ``before``: changed files only
-    report: Report | None
 
 
 def fix(paths: Sequence[Path | str], settings: Settings = DEFAULT) -> Fixed:
     """Repair the Turtle among ``paths`` in memory; nothing is written, and what does not parse stays as it is."""
     made = repair(split(paths)[0], settings)
-    run: Callable[..., Report] = check if made.report is None else partial(_already, made.report)
-    return Fixed(made.edits, made.before, made.after, check_all(paths, made.after, settings, run=run))
+    return Fixed(made.edits, made.before, made.after, check_all(paths, made.after, settings))
 
 
 def repair(
@@ -67,7 +65,7 @@ def repair(
     done: list[Edit] = []
     for _ in range(_ROUNDS if turtle else 0):
         try:
-            model = load_model(turtle, {**(texts or {}), **after})
+            model = load_model(turtle, {**(texts or {}), **after}, lead=Imports(settings.imported))
         except OntoError:
             break
         problems = check_model(model, settings)
@@ -81,12 +79,8 @@ def repair(
                 done += found
                 changed = True
         if not changed:
-            return Repairs(tuple(done), before, after, Report(problems, model.files, model.triples))
-    return Repairs(tuple(done), before, after, None)
-
-
-def _already(report: Report, *_: object) -> Report:
-    return report
+            break
+    return Repairs(tuple(done), before, after)
 
 
 def repairs(report: Report, paths: Sequence[Path | str]) -> Mapping[Problem, Repair]:

@@ -9,6 +9,7 @@ from lsprotocol import types
 
 from onto_compiler.check.edits import FIXABLE, Edit, each_edit
 from onto_compiler.check.fix import repair
+from onto_compiler.check.imports import Imports
 from onto_compiler.check.model import load_model
 from onto_compiler.lsp.diagnose import texts_of
 from onto_compiler.lsp.document import Document
@@ -72,9 +73,10 @@ def _quick_fixes(
     here = {problem: shown for problem in fixable if _overlap((shown := diagnostic(document, problem)).range, where)}
     if not here:
         return []
-    path, around = document.file, server.around(server.state(document))
+    path, state = document.file, server.state(document)
+    around, lead = server.around(state), Imports(state.settings.imported)
     try:
-        model = load_model([path, *around], texts_of(path, document.source, around))
+        model = load_model([path, *around], texts_of(path, document.source, around), lead=lead)
     except OntoError:
         return []
     return [_action(document, edit, here[edit.problem]) for edit in each_edit(model, path, here)]

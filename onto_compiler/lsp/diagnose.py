@@ -17,6 +17,7 @@ from onto_compiler.check.deprecated import check_deprecated
 from onto_compiler.check.domains import check_domains
 from onto_compiler.check.hierarchy import check_hierarchy
 from onto_compiler.check.house import House
+from onto_compiler.check.imports import Imports
 from onto_compiler.check.locate import locate
 from onto_compiler.check.model import load_model
 from onto_compiler.check.prefixes import check_prefixes
@@ -43,10 +44,11 @@ def quick_turtle(path: Path, text: str, around: Around = NOTHING, settings: Sett
     if not path.exists():  # a buffer that was never saved has no place among other files
         return tuple(read_into(Store(), path, text))
     try:
-        model = load_model([path, *around], texts_of(path, text, around))
+        model = load_model([path, *around], texts_of(path, text, around), lead=Imports(settings.imported))
     except OntoError as error:
         return _own(path, error.problems)
-    findings = [finding for one in query_checks() for finding in run_query(model, one)]
+    found = (finding for one in query_checks() for finding in run_query(model, one))
+    findings = [one for one in found if one.code != "OWL003" or one.object in model.unresolved]
     findings += [*check_hierarchy(model), *check_domains(model), *check_deprecated(model)]
     house = House(model, settings.namespaces, settings.select)
     problems = {house.judged_problem(problem, graph) for problem, graph in check_prefixes(model)}

@@ -114,8 +114,9 @@ def _refresh(server: OntoServer) -> None:
 
 
 def _publish(server: OntoServer, document: Document, problems: tuple[Problem, ...]) -> None:
-    server.state(document).shown = problems
-    diagnostics = [diagnostic(document, problem) for problem in problems]
+    state = server.state(document)
+    state.shown = () if state.settings.excludes(document.file) else problems
+    diagnostics = [diagnostic(document, problem) for problem in state.shown]
     server.text_document_publish_diagnostics(
         types.PublishDiagnosticsParams(uri=document.uri, version=document.version, diagnostics=diagnostics)
     )

@@ -15,6 +15,7 @@ from pygls import uris
 from pygls.lsp.server import LanguageServer
 from pyoxigraph import QuerySolutions, Store
 
+from onto_compiler.check.imports import Imports
 from onto_compiler.check.model import load_model
 from onto_compiler.check.settings import DEFAULT, Settings, read_settings
 from onto_compiler.compile_schema import compile_schema
@@ -135,7 +136,8 @@ class OntoServer(LanguageServer):
         elif path.exists():
             inside = [folder for folder in self.folders() if path.is_relative_to(folder)]
             files = turtle_below(inside) if inside else tuple(sorted(path.parent.glob("*.ttl")))
-            state.siblings = siblings(path, header(text, path), files)
+            given = [file for file in files if not state.settings.excludes(file)]
+            state.siblings = siblings(path, header(text, path), given)
 
     def _above(self, path: Path) -> tuple[Path, ...]:
         inside = [folder for folder in self.folders() if path.is_relative_to(folder)]
@@ -157,8 +159,9 @@ class OntoServer(LanguageServer):
         path, text, around = document.file, document.source, self.around(state)
         given = [*self.extra, *around, *([path] if path.exists() else [])]
         texts = {file: held for file, held in around.items() if held is not None}
+        lead = Imports(state.settings.imported)
         try:
-            state.vocabulary = read_vocabulary(load_model(given, {**texts, path: text}).store)
+            state.vocabulary = read_vocabulary(load_model(given, {**texts, path: text}, lead=lead).store)
         except OntoError:
             if state.vocabulary is None:
                 state.vocabulary = read_vocabulary(load_model().store)
@@ -166,14 +169,14 @@ class OntoServer(LanguageServer):
 
     def lifting(self, document: Document) -> Lifting:
         """What a task file is lifted by; where an ontology of the workspace is broken, by the shipped one alone."""
-        around = self.around(self.state(document)) if document.is_task else NOTHING
-        stamps = tuple(
-            (file, text or (file.stat().st_mtime_ns if file.exists() else 0)) for file, text in around.items()
-        )
+        state = self.state(document)
+        around, imported = self.around(state), state.settings.imported
+        files = [*around, *imported.values()]
+        stamps = tuple((file, around.get(file) or (file.stat().st_mtime_ns if file.exists() else 0)) for file in files)
         if stamps not in self._lifting:
             texts = {file: text for file, text in around.items() if text is not None}
             try:
-                found = _lifting(load_model(tuple(around), texts).store)
+                found = _lifting(load_model(tuple(around), texts, lead=Imports(imported)).store)
             except OntoError:
                 if not around or self.extra:
                     raise

@@ -25,7 +25,7 @@ PREFIXES = """\
 """
 HEADER = """
 <https://example.org/{name}> a owl:Ontology ; dcterms:title "{name}"@en ;
-    owl:imports <{imports}> ; owl:versionInfo "0.1.0" .
+    owl:imports <{imports}> , <https://example.org/far> ; owl:versionInfo "0.1.0" .
 """
 KITCHEN = (
     PREFIXES
@@ -55,6 +55,8 @@ SETTINGS = {
     "ignore": 'ignore = ["DOC00", "BDDL"]',
     "severity": 'severity = { VOC006 = "error", DOC = "info", BDDL = "warning" }',
     "of files": '[tool.onto.check.per-file-ignores]\n"parts/*.ttl" = ["VOC"]\n"*.bddl" = ["BDDL003"]',
+    "excluded": 'exclude = ["parts", "wrong.bddl"]',
+    "imports": '[tool.onto.check.imports]\n"https://example.org/far" = "far.nt"',
     "all of it": 'select = ["ALL"]\nignore = ["DOC005", "OWL"]\nseverity = { TTL007 = "error" }',
 }
 
@@ -63,6 +65,7 @@ SETTINGS = {
 def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("kitchen")
     (place / "kitchen.ttl").write_text(KITCHEN)
+    (place / "far.nt").write_text('<https://example.org/far> <http://www.w3.org/2002/07/owl#versionInfo> "1" .\n')
     (place / "parts").mkdir()
     (place / "parts" / "cups.ttl").write_text(CUPS)
     (place / "tasks").mkdir()

@@ -7,11 +7,12 @@ import re
 from collections.abc import Iterable
 from itertools import chain, count
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pyoxigraph import CanonicalizationAlgorithm, Dataset, Quad, RdfFormat, parse
+from pyoxigraph import BlankNode, CanonicalizationAlgorithm, Dataset, NamedNode, Quad, RdfFormat, Triple, parse
 
 from onto_compiler.command import CLEAN, FINDINGS
 from onto_compiler.problems import OntoError
@@ -108,8 +109,25 @@ PREFIXES = "@prefix ex: <https://example.org/> .\n"
 
 
 def graph(text: str) -> Dataset:
-    read = parse(text.encode(), format=RdfFormat.TURTLE, base_iri=HERE.as_uri())
-    found = Dataset(Quad(one.subject, one.predicate, one.object) for one in read)
+    """The statements of ``text``, of which isomorphic ones are equal.
+
+    Oxigraph's canonical names do not tell blank nodes in triple terms apart: a blank node stands for each term here,
+    and three statements say what it holds.
+    """
+    quads, terms = list[Quad](), dict[Triple, BlankNode]()
+
+    def plain(term: Any) -> Any:
+        if not isinstance(term, Triple):
+            return term
+        if term not in terms:
+            node = terms[term] = BlankNode()
+            for name in ("subject", "predicate", "object"):
+                quads.append(Quad(node, NamedNode(RDF + name), plain(getattr(term, name))))
+        return terms[term]
+
+    for one in parse(text.encode(), format=RdfFormat.TURTLE, base_iri=HERE.as_uri()):
+        quads.append(Quad(one.subject, one.predicate, plain(one.object)))
+    found = Dataset(quads)
     found.canonicalize(CanonicalizationAlgorithm.UNSTABLE)
     return found
 

@@ -12,12 +12,14 @@ from typing import Any
 
 from benchmarks.protocol import Protocol, Row, load_protocols, protocol_named, registered_protocols
 from onto_compiler.command import CLEAN, FINDINGS, Command, add_format, print_json
+from onto_compiler.problems import OntoError
 
 __all__ = ["BENCH"]
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", help="a protocol, `all`, or `list`")
+    parser.add_argument("folder", nargs="?", type=Path, help="what `corpora` checks: a folder of checkouts")
     parser.add_argument("--full", action="store_true", help="the published size; the result goes to benchmarks/results")
     parser.add_argument("--out", type=Path, default=Path("out/bench"), help="where rows are kept (default out/bench)")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: one per core)")
@@ -35,7 +37,15 @@ def _run(options: argparse.Namespace) -> int:
         else:
             sys.stdout.write("".join(f"{name:<20}{text}\n" for name, text in helps.items()))
         return CLEAN
-    chosen = load_protocols().values() if options.name == "all" else [protocol_named(options.name)]
+    if options.name == "all":
+        chosen = [protocol for protocol in load_protocols().values() if protocol.of_folder is None]
+    else:
+        chosen = [protocol_named(options.name)]
+    for protocol in chosen:
+        if (protocol.of_folder is None) != (options.folder is None):
+            wrong = "takes no folder" if protocol.of_folder is None else "needs a folder"
+            hint = f"write `onto bench {protocol.name}{' FOLDER' if protocol.of_folder else ''}`"
+            raise OntoError.of("CLI002", f"the protocol `{protocol.name}` {wrong}", hint)
     crashed = 0.0
     records = {}
     for protocol in chosen:
@@ -73,7 +83,7 @@ def _measure(protocol: Protocol, options: argparse.Namespace) -> dict[str, Any]:
     rows_file = options.out / f"{protocol.name}.{size}.{commit}.jsonl"
     if changed():
         rows_file.unlink(missing_ok=True)
-    every = protocol.trials(options.full)
+    every = protocol.trials(options.full) if protocol.of_folder is None else protocol.of_folder(options.folder)
     trials = chosen_trials(protocol, every, options.part)
     columns = (TextColumn(protocol.name), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True)) as progress:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from typing import Any
 
 from onto_compiler.problems import OntoError, near
@@ -48,7 +49,8 @@ class Protocol:
     memory. ``of_tree`` names those that follow from this tree's own ontology and examples, which the trials take as
     their input: another commit has others. ``of_processor`` names those whose last digits depend on the processor, for
     which a numerical library or a driver that draws chooses its code. ``result`` is the name of the published file, if
-    not the protocol's.
+    not the protocol's. ``of_folder`` lists the trials instead, where they need a folder that a person names
+    (``onto bench NAME FOLDER``); such a protocol is neither part of ``all`` nor replayed.
     """
 
     name: str
@@ -63,6 +65,7 @@ class Protocol:
     of_tree: frozenset[str] = frozenset()
     of_processor: frozenset[str] = frozenset()
     result: str = ""
+    of_folder: Callable[[Path], Sequence[Trial]] | None = None
 
     @property
     def file(self) -> str:

@@ -40,8 +40,8 @@ def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signatur
 
 
 def trials_of(protocol: Protocol, *, full: bool) -> list[Trial]:
-    """The trials of ``protocol`` that are replayed: none where it has no published result."""
-    if not (RESULTS / protocol.file).exists():
+    """The trials of ``protocol`` that are replayed: none where it has no published result, or needs a folder."""
+    if protocol.of_folder is not None or not (RESULTS / protocol.file).exists():
         return []
     return [
         {"key": f"{protocol.name} {trial['key']}", "protocol": protocol.name, "trial": dict(trial)}

@@ -19,6 +19,7 @@ from benchmarks.pointmaze_tables import pointmaze_table
 from benchmarks.replay_table import replayed_table
 from benchmarks.results import RESULTS, read_result
 from benchmarks.skills_tables import skills_table
+from benchmarks.wild_tables import corpora_table, wild_table
 from benchmarks.world_model_tables import world_model_libero_table
 
 __all__ = ["TABLES", "fill", "main"]
@@ -36,6 +37,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "check": compiler_tables.check_table,
     "compiler": compiler_tables.compiler_table,
     "conformance": compiler_tables.conformance_table,
+    "corpora": corpora_table,
     "demo": runtime_tables.demo_table,
     "demos": runtime_tables.demos_table,
     "fuzz": compiler_tables.fuzz_table,
@@ -49,6 +51,7 @@ TABLES: dict[str, Callable[[dict[str, Any]], str]] = {
     "skills": skills_table,
     "state_repair": runtime_tables.state_repair_table,
     "validator": compiler_tables.validator_table,
+    "wild": wild_table,
     "world_model_libero": world_model_libero_table,
 }
 """What makes each table and its notes of a result; the line that says where the result comes from is put below."""

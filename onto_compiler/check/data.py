@@ -67,7 +67,7 @@ def check_data(
     known_graph = _graph(known)
     faults = misspelt(known_graph)
     compiled = with_implications(compile_graph(known_graph, faults))
-    if not compiled.roots and not faults:
+    if not any(shape.targets for shape in compiled.known.values()) and not faults:
         named = ", ".join(f"`{path}`" for path in shapes)
         message = f"no shape of {named} has a target, so that nothing would be validated"
         raise OntoError.of("CLI002", message, "say what a shape is for: sh:targetClass, for one")

@@ -7,16 +7,17 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, cast
 
 from pyoxigraph import BlankNode, Literal, NamedNode, Quad, Triple
 
+from onto_compiler.check.blanks import same_blanks
 from onto_compiler.check.documents import Document
 from onto_compiler.check.query_terms import undeclared_in_queries
 from onto_compiler.problems import Problem, Span
 from onto_compiler.rdf import RDF
 from onto_compiler.shacl.compile import compile_graph
-from onto_compiler.shacl.graph import Graph, Term
+from onto_compiler.shacl.graph import Graph, Subject, Term
 from onto_compiler.shacl.model import ShapeFault, ShapeResult
 from onto_compiler.shacl.naming import path_text, shape_id, shape_label, shape_name
 from onto_compiler.shacl.paths import read_path
@@ -25,7 +26,7 @@ from onto_compiler.shacl.rules import infer
 from onto_compiler.shacl.severity import level
 from onto_compiler.shacl.validate import validate_graph
 from onto_compiler.shacl.wellformed import misspelt
-from onto_compiler.terms import sentence, show
+from onto_compiler.terms import ShapeOf, sentence, show
 from onto_compiler.turtle.source_map import Located, SourceMap
 from onto_compiler.turtle.tokens import SourceText
 
@@ -47,7 +48,11 @@ def place(
     ``remarks`` are faults of shapes that run all the same.
     """
     in_data, in_shapes = _Places(data), _Places(shapes)
-    if in_data.whole and in_shapes.whole:
+    if not in_data.whole or not in_shapes.whole:
+        pass
+    elif not faults and not remarks:
+        results = _as_walked(results, in_data, in_shapes)
+    else:
         again = misspelt(in_shapes.graph)
         compiled = compile_graph(in_shapes.graph, again)
         noted = tuple(undeclared_in_queries(in_shapes.graph, in_data.graph))
@@ -62,8 +67,36 @@ def place(
         yield writer.fault(fault)
 
 
-@dataclass(frozen=True, slots=True)
-class _Spot:
+def _as_walked(results: Sequence[ShapeResult], data: _Places, shapes: _Places) -> list[ShapeResult]:
+    """``results`` with the blank nodes of the walker in the place of Oxigraph's."""
+    names = shapes.walked()
+    if any(isinstance(term, (BlankNode, Triple)) for result in results for term in (result.focus, result.value)):
+        names = {**names, **data.walked()}
+
+    def name(term: Term) -> Term:
+        if isinstance(term, Triple):
+            return Triple(cast("Subject", name(term.subject)), term.predicate, name(term.object))
+        return names.get(term, term) if isinstance(term, BlankNode) else term
+
+    def part(one: str | Term | ShapeOf) -> str | Term | ShapeOf:
+        return one if isinstance(one, str) else ShapeOf(name(one.node)) if isinstance(one, ShapeOf) else name(one)
+
+    return [
+        replace(
+            result,
+            focus=name(result.focus),
+            path=None if result.path is None else name(result.path),
+            value=None if result.value is None else name(result.value),
+            shape=name(result.shape),
+            constraint=None if result.constraint is None else name(result.constraint),
+            expected=result.expected if isinstance(result.expected, str) else tuple(map(part, result.expected)),
+            annotations=tuple((predicate, name(value)) for predicate, value in result.annotations),
+        )
+        for result in results
+    ]
+
+
+class _Spot(NamedTuple):
     """A triple where it is written."""
 
     path: Path
@@ -105,6 +138,14 @@ class _Places:
                 self._objects.setdefault(one.object, []).append(spot)
         self.graph = Graph(statements)
         self.whole = len(self.graph) == len(Graph(s for d in self.documents for s in d.statements))
+
+    def walked(self) -> dict[BlankNode, BlankNode]:
+        """Each blank node as Oxigraph read it, with the walker's name for it."""
+        found: dict[BlankNode, BlankNode] = {}
+        for document in self.documents:
+            if document.path in self.maps:
+                found |= same_blanks(document.statements, self.maps[document.path].triples)
+        return found
 
     def object(self, subject: Term, predicate: Term, value: Term, inside: tuple[int, int] | None = None) -> Span | None:
         """The object of a triple, or what is ``inside`` it: a character of a literal, and how many from it on."""

@@ -168,13 +168,11 @@ def _call(reader: Reader, node: Term, shape: Term) -> Expression:
 
 
 def _calling(name: NamedNode, arguments: Sequence[Expression], shape: Term) -> Expression:
-    def evaluate(run: Run, focus: Term) -> Iterator[Term]:
+    def evaluate(run: Run, focus: Term) -> Iterable[Term]:
         function = run.shapes.functions.get(name)
         if function is None:
             raise ShapeFault(f"the function {name} is not declared", shape)
-        for row in product(*(list(argument(run, focus)) for argument in arguments)):
-            result = function(*row)
-            if result is not None:
-                yield result
+        found = (function(*row) for row in product(*(list(argument(run, focus)) for argument in arguments)))
+        return dict.fromkeys(result for result in found if result is not None)  # an expression stands for a set
 
     return evaluate

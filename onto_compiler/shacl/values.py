@@ -21,7 +21,9 @@ __all__ = ["is_well_formed", "less", "number"]
 _DECIMAL = r"[+-]?(?:\d+(?:\.\d*)?|\.\d+)"
 _FLOAT = rf"(?:{_DECIMAL}(?:[eE][+-]?\d+)?|[+-]?INF|NaN)"
 _ZONE = r"(?P<zone>Z|[+-](?:(?:0\d|1[0-3]):[0-5]\d|14:00))?"
-_DATE = r"(?P<year>-?(?:[1-9]\d{3,}|0\d{3}))-(?P<month>0[1-9]|1[0-2])-(?P<day>0[1-9]|[12]\d|3[01])"
+_YEAR = r"(?P<year>-?(?:[1-9]\d{3,}|0\d{3}))"
+_MONTH, _DAY = r"(?P<month>0[1-9]|1[0-2])", r"(?P<day>0[1-9]|[12]\d|3[01])"
+_DATE = f"{_YEAR}-{_MONTH}-{_DAY}"
 _TIME = r"(?:(?P<hour>[01]\d|2[0-3]):(?P<minute>[0-5]\d):(?P<second>[0-5]\d(?:\.\d+)?)|(?P<midnight>24:00:00(?:\.0+)?))"
 _DAY_TIME = r"(?:\d+D)?(?:T(?=\d)(?:\d+H)?(?:\d+M)?(?:\d+(?:\.\d+)?S)?)?"
 _PATTERNS = {
@@ -36,11 +38,11 @@ _PATTERNS = {
     "double": _FLOAT,
     "duration": rf"-?P(?=[\dT])(?:\d+Y)?(?:\d+M)?{_DAY_TIME}",
     "float": _FLOAT,
-    "gDay": r"---(?:0[1-9]|[12]\d|3[01])" + _ZONE,
-    "gMonth": r"--(?:0[1-9]|1[0-2])" + _ZONE,
-    "gMonthDay": r"--(?:0[1-9]|1[0-2])-(?:0[1-9]|[12]\d|3[01])" + _ZONE,
-    "gYear": r"-?(?:[1-9]\d{3,}|0\d{3})" + _ZONE,
-    "gYearMonth": r"-?(?:[1-9]\d{3,}|0\d{3})-(?:0[1-9]|1[0-2])" + _ZONE,
+    "gDay": "---" + _DAY + _ZONE,
+    "gMonth": "--" + _MONTH + _ZONE,
+    "gMonthDay": f"--{_MONTH}-{_DAY}" + _ZONE,
+    "gYear": _YEAR + _ZONE,
+    "gYearMonth": f"{_YEAR}-{_MONTH}" + _ZONE,
     "hexBinary": r"(?:[0-9A-Fa-f]{2})*",
     "integer": r"[+-]?\d+",
     "language": r"[A-Za-z]{1,8}(?:-[A-Za-z0-9]{1,8})*",
@@ -68,8 +70,11 @@ _BOUNDS: dict[str, tuple[int | None, int | None]] = {
 }
 _ANY_LETTER = {"Name", "NCName", "NMTOKEN"}
 _EXACT = {"integer", "decimal", *_BOUNDS}
-_TIMES = {"date", "dateTime", "dateTimeStamp", "time"}
-_DURATIONS = {"dayTimeDuration", "yearMonthDuration"}
+_DATED = {"date", "dateTime", "dateTimeStamp", "gMonthDay"}
+_TIMES = {*_DATED, "time", "gDay", "gMonth", "gYear", "gYearMonth"}
+_DURATIONS = {"duration", "dayTimeDuration", "yearMonthDuration"}
+_LEAP = 2000  # a year in which each day of a month exists
+_REFERENCES = ((1696, 9), (1697, 2), (1903, 3), (1903, 7))  # years and months that a duration is added to
 _FOURTEEN_HOURS = Fraction(14 * 3600)
 _DURATION = re.compile(r"(-)?P(?:(\d+)Y)?(?:(\d+)M)?(?:(\d+)D)?(?:T(?:(\d+)H)?(?:(\d+)M)?(?:(\d+(?:\.\d+)?)S)?)?")
 
@@ -101,12 +106,12 @@ def is_well_formed(literal: Literal) -> bool:
         least, most = _BOUNDS[name]
         number = Decimal(text)
         return (least is None or number >= least) and (most is None or number <= most)
-    return name not in {"date", "dateTime", "dateTimeStamp"} or int(match["day"]) <= _days(match)
+    return name not in _DATED or int(match["day"]) <= _days(match)
 
 
 def _days(match: re.Match[str]) -> int:
     """How many days the month of a matched date has."""
-    year, month = int(match["year"]), int(match["month"])
+    year, month = int(match.groupdict().get("year") or _LEAP), int(match["month"])
     leap = year % 4 == 0 and (year % 100 != 0 or year % 400 == 0)
     return (31, 28 + leap, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31)[month - 1]
 
@@ -120,6 +125,8 @@ def less(left: Literal, right: Literal, *, or_equal: bool = False) -> bool:
     if zoned != zoned_too:
         # A time without a zone may lie 14 hours to either side: only what holds in every zone is known.
         return bool(one + _FOURTEEN_HOURS < other)  # type: ignore[operator]
+    if isinstance(one, tuple) and isinstance(other, tuple):  # some durations are of any length
+        return all(a < b for a, b in zip(one, other, strict=True)) or (or_equal and one == other)
     if isinstance(one, float) or isinstance(other, float):
         one, other = float(one), float(other)  # type: ignore[arg-type]
     return bool(one < other or (or_equal and one == other))  # type: ignore[operator]
@@ -144,7 +151,7 @@ def _key(literal: Literal) -> Key | None:
         return (name, text if name == "string" else text in {"true", "1"}, True)
     if name in _TIMES:
         return _timestamp(name.removesuffix("Stamp"), text)
-    return (name, _duration(text), True) if name in _DURATIONS else None
+    return ("duration", _duration(text), True) if name in _DURATIONS else None
 
 
 def _inexact(text: str) -> Key | None:
@@ -159,10 +166,8 @@ def _timestamp(kind: str, text: str) -> Key | None:
     if match is None:
         return None
     parts = match.groupdict()
-    cycles, year = divmod(int(parts.get("year") or 2000), 400)
-    begin = datetime(year + 2000, int(parts.get("month") or 1), int(parts.get("day") or 1), tzinfo=UTC)
-    days = (begin - datetime(2000, 1, 1, tzinfo=UTC)).days + cycles * 146097
-    seconds = Fraction(days * 86400)
+    seconds = Fraction(_month(int(parts.get("year") or _LEAP), int(parts.get("month") or 1)))
+    seconds += (int(parts.get("day") or 1) - 1) * 86400
     if parts.get("midnight"):
         seconds += 86400 if kind == "dateTime" else 0
     elif parts.get("hour"):
@@ -174,14 +179,23 @@ def _timestamp(kind: str, text: str) -> Key | None:
     return (kind, seconds, zone is not None)
 
 
-def _duration(text: str) -> Fraction:
-    """Months of a year-month duration, seconds of a day-time one."""
+def _duration(text: str) -> tuple[Fraction, ...]:
+    """Seconds from each of the four :data:`_REFERENCES` to the time that lies the duration behind it.
+
+    Source: XML Schema 1.1, part 2, section 3.3.6.1: one duration is less than another where it is from all four.
+    """
     match = _DURATION.fullmatch(text)
     assert match is not None  # noqa: S101 - the form was matched before
     sign, years, months, days, hours, minutes, seconds = match.groups()
-    if years or months:
-        total = Fraction(int(years or 0) * 12 + int(months or 0))
-    else:
-        total = Fraction(int(days or 0) * 86400 + int(hours or 0) * 3600 + int(minutes or 0) * 60)
-        total += Fraction(seconds or 0)
-    return -total if sign else total
+    whole = int(years or 0) * 12 + int(months or 0)
+    rest = Fraction(int(days or 0) * 86400 + int(hours or 0) * 3600 + int(minutes or 0) * 60) + Fraction(seconds or 0)
+    if sign:
+        whole, rest = -whole, -rest
+    return tuple(_month(year, month + whole) - _month(year, month) + rest for year, month in _REFERENCES)
+
+
+def _month(year: int, month: int) -> int:
+    """Seconds from the beginning of a cycle of 400 years to that of a month, which may lie beyond the year."""
+    cycles, year = divmod(year + (month - 1) // 12, 400)
+    begin = datetime(year + _LEAP, (month - 1) % 12 + 1, 1, tzinfo=UTC)
+    return ((begin - datetime(_LEAP, 1, 1, tzinfo=UTC)).days + cycles * 146097) * 86400

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import cast
+from typing import NamedTuple, cast
 
 from pyoxigraph import BaseDirection, BlankNode, Literal, NamedNode, Quad, RdfFormat, Store, Triple, parse
 
@@ -27,8 +27,7 @@ _DIRECTIVES = frozenset(("@PREFIX", "@BASE", "@VERSION", "PREFIX", "BASE", "VERS
 _END = Token("end", "", 0, 0)
 
 
-@dataclass(frozen=True, slots=True)
-class Located:
+class Located(NamedTuple):
     """A triple, and the tokens that its three parts were read from."""
 
     subject: NamedNode | BlankNode
@@ -283,6 +282,8 @@ class _Walker:
 
     def opens(self, *texts: str) -> bool:
         """Whether the next tokens are ``texts``."""
+        if self.peek.text != texts[0]:  # of most tokens this is asked in vain
+            return False
         return tuple(token.text for token in self.tokens[self.at : self.at + len(texts)]) == texts
 
     def triple_term(self) -> Triple:

@@ -15,8 +15,9 @@ from onto_compiler.problems import OntoError
 
 NOT_CHEAP = {  # none of their trials takes less than some seconds, or they are not published yet
     *("audit_versions", "compiler", "demo", "demos", "house", "lsp", "robosuite", "validator", "world_model_libero"),
+    "wild",
 }
-NAMES = sorted(name for name in load_protocols() if name != "replay")
+NAMES = sorted(name for name, protocol in load_protocols().items() if name != "replay" and protocol.of_folder is None)
 
 
 def listed(full):

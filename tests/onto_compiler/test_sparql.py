@@ -5,8 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pyoxigraph import Store
 
+from benchmarks.listening import listening
 from onto_compiler.sparql import refusal
-from tests.listening import listening
 
 PREFIX = "PREFIX service: <http://example.org/service#> PREFIX e: <http://example.org/> "
 CALLS = [

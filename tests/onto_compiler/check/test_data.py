@@ -233,3 +233,8 @@ def test_a_misspelt_term_of_shacl_is_placed_whatever_its_property(put, statement
     shapes = put("shapes.ttl", f"{PREFIXES}{statement} ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:nodeKind sh:IRI .")
     (problem,) = check_data([put("data.ttl", "")], [shapes]).problems
     assert (problem.code, problem.file, problem.line) == ("VOC011", str(shapes), 4)
+
+
+def test_shapes_that_are_all_deactivated_find_nothing(put):
+    shapes = put("shapes.ttl", PREFIXES + "ex:S a sh:NodeShape ; sh:targetNode ex:a ; sh:deactivated true .")
+    assert run(put("data.ttl", PREFIXES + "ex:a ex:p 1 ."), "--shapes", shapes) == CLEAN

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.listening import listening
 from onto_compiler.check.catalog import NAME, read_catalog
 from onto_compiler.check.command import CHECK
 from onto_compiler.check.data import check_data
@@ -13,7 +14,6 @@ from onto_compiler.check.run import check
 from onto_compiler.check.settings import Settings
 from onto_compiler.command import CLEAN, FINDINGS
 from onto_compiler.problems import OntoError
-from tests.listening import listening
 
 CASES = Path(__file__).parent / "cases" / "imports"
 PREFIXES = """@prefix ex: <http://example.org/> .

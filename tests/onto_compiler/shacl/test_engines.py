@@ -1,16 +1,14 @@
-"""Our engine and pySHACL give the same results where shapes refer to shapes, compare properties or follow paths."""
+"""What shapes mean that refer to shapes, call functions or have targets of their own, and what cannot run.
+
+That generated shapes give what pySHACL gives is in ``tests/benchmarks/test_wild.py``.
+"""
 
 import random
 
-import pyshacl
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from pyoxigraph import BlankNode, Literal, NamedNode, RdfFormat, Triple, parse
-from rdflib import Graph as RdflibGraph
+from pyoxigraph import RdfFormat, Triple, parse
 
 from benchmarks.shacl_cases import corpus
-from benchmarks.shapes_pyshacl import read_report
 from onto_compiler.problems import OntoError
 from onto_compiler.shacl.compile import compile_graph
 from onto_compiler.shacl.graph import Graph
@@ -24,47 +22,6 @@ PREFIXES = """
 @prefix sh: <http://www.w3.org/ns/shacl#> .
 @prefix xsd: <http://www.w3.org/2001/XMLSchema#> .
 """
-SHAPES = (
-    PREFIXES
-    + """
-ex:Iri a sh:NodeShape ; sh:nodeKind sh:IRI .
-ex:Small a sh:NodeShape ; sh:maxInclusive 2 .
-ex:HasP a sh:NodeShape ; sh:property [ sh:path ex:p ; sh:minCount 1 ] .
-ex:Logic a sh:NodeShape ; sh:targetSubjectsOf ex:p ;
-    sh:or ( ex:HasP [ sh:hasValue ex:a ] ) ; sh:not [ sh:property [ sh:path ex:q ; sh:minCount 3 ] ] ;
-    sh:property [ sh:path ex:q ; sh:node ex:HasP ; sh:xone ( ex:Iri [ sh:datatype xsd:integer ] ex:Small ) ] ,
-        [ sh:path ex:p ; sh:and ( ex:Iri [ sh:class ex:Thing ] ) ] ,
-        [ sh:path ex:q ; sh:property [ sh:path ex:p ; sh:maxCount 1 ] ] .
-ex:Counted a sh:NodeShape ; sh:targetClass ex:Thing ;
-    sh:property [ sh:path ex:p ; sh:qualifiedValueShape ex:Iri ; sh:qualifiedMinCount 1 ; sh:qualifiedMaxCount 2 ;
-            sh:qualifiedValueShapesDisjoint true ] ,
-        [ sh:path ex:q ; sh:qualifiedValueShape ex:HasP ; sh:qualifiedMaxCount 1 ;
-            sh:qualifiedValueShapesDisjoint true ] .
-ex:Compared a sh:NodeShape ; sh:targetObjectsOf ex:q ;
-    sh:property [ sh:path ex:p ; sh:equals ex:r ; sh:disjoint ex:q ] ,
-        [ sh:path ex:m ; sh:lessThan ex:n ] , [ sh:path ex:n ; sh:lessThanOrEquals ex:m ] ,
-        [ sh:path ex:r ; sh:languageIn ( "en" "fr" ) ; sh:uniqueLang true ] .
-ex:Closed a sh:NodeShape ; sh:targetNode ex:c ; sh:closed true ; sh:ignoredProperties ( ex:r ) ;
-    sh:property [ sh:path ex:p ] .
-ex:Paths a sh:NodeShape ; sh:targetNode ex:a , ex:b ;
-    sh:property [ sh:path ( ex:p [ sh:inversePath ex:q ] ) ; sh:maxCount 1 ] ,
-        [ sh:path [ sh:zeroOrMorePath [ sh:alternativePath ( ex:p ex:q ) ] ] ; sh:maxCount 3 ] ,
-        [ sh:path [ sh:oneOrMorePath ex:p ] ; sh:nodeKind sh:IRI ] ,
-        [ sh:path [ sh:inversePath ex:p ] ; sh:minCount 1 ] ,
-        [ sh:path [ sh:zeroOrOnePath ex:q ] ; sh:class ex:Thing ] .
-"""
-)
-TYPE = NamedNode("http://www.w3.org/1999/02/22-rdf-syntax-ns#type")
-NODES = [*(NamedNode(EX + name) for name in "abc"), BlankNode("x")]
-PATHS = [NamedNode(EX + name) for name in "pqr"]
-ORDERED = [NamedNode(EX + name) for name in "mn"]
-NUMBERS = [Literal(n) for n in (1, 2, 3)]
-VALUES = [*NODES, *NUMBERS, Literal("x"), *(Literal(text, language=tag) for text, tag in (("a", "en"), ("b", "en-gb")))]
-STATEMENTS = st.one_of(
-    st.tuples(st.sampled_from(NODES), st.sampled_from(PATHS), st.sampled_from(VALUES)),
-    st.tuples(st.sampled_from(NODES), st.sampled_from(ORDERED), st.sampled_from(NUMBERS)),
-    st.tuples(st.sampled_from(NODES), st.just(TYPE), st.just(NamedNode(EX + "Thing"))),
-)
 
 
 def graph_of(text):
@@ -73,24 +30,6 @@ def graph_of(text):
 
 def results(data, shapes):
     return validate_graph(graph_of(PREFIXES + data), compile_graph(graph_of(PREFIXES + shapes)))
-
-
-def plain(term):
-    return "blank" if isinstance(term, BlankNode) else term
-
-
-@settings(max_examples=150, deadline=None)
-@given(st.lists(STATEMENTS, min_size=1, max_size=14))
-def test_both_engines_agree(statements):
-    triples = {Triple(*statement) for statement in statements}
-    mine = validate_graph(Graph(triples), compile_graph(graph_of(SHAPES)))
-    text = "\n".join(f"{t.subject} {t.predicate} {t.object} ." for t in triples)
-    options = {"inference": "none", "advanced": False, "meta_shacl": False, "allow_warnings": False}
-    shapes = RdflibGraph().parse(data=SHAPES, format="turtle")
-    _, report, _ = pyshacl.validate(RdflibGraph().parse(data=text, format="nt"), shacl_graph=shapes, **options)
-    left = {(plain(r.focus), plain(r.path), plain(r.value), r.component) for r in mine}
-    right = {(plain(row[0]), plain(row[1]), plain(row[2]), row[3]) for row in read_report(report)}
-    assert left == right, f"only ours {left - right}, only pySHACL's {right - left}"
 
 
 def test_a_shape_that_refers_to_itself_ends():
@@ -182,7 +121,8 @@ def test_expressions_filter_and_call_functions():
         sh:ask "ASK { FILTER (?x = ?y + 1) }" .
     ex:S a sh:NodeShape ; sh:targetSubjectsOf ex:p ;
         sh:expression [ ex:same ( [ ex:twice ( [ sh:path ex:p ] ) ] [ sh:path ex:q ] ) ] ."""
-    found = results("ex:a ex:p 2 ; ex:q 5 . ex:b ex:p 2 ; ex:q 4 .", shapes)
+    # Of several calls with one answer the expression stands for the answer, once.
+    found = results("ex:a ex:p 2 ; ex:q 5 . ex:b ex:p 2 ; ex:q 4 . ex:c ex:p 2 , 2.0 ; ex:q 5 .", shapes)
     assert [(r.focus.value, r.component) for r in found] == [(EX + "b", "ExpressionConstraintComponent")]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.paired import bootstrap, holm, sign_flip
+from benchmarks.paired import bootstrap, holm, mcnemar, sign_flip
 
 
 def test_no_difference_is_not_significant():
@@ -31,3 +31,10 @@ def test_holm_adjusts_in_order_and_never_below_a_smaller_one():
     found = holm({"a": 0.01, "b": 0.04, "c": 0.03})
     assert found == pytest.approx({"a": 0.03, "b": 0.06, "c": 0.06})
     assert holm({"a": 0.9, "b": 0.8})["a"] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "p"), [(0, 0, 1.0), (6, 0, 2 / 64), (5, 5, 1.0), (1, 7, 18 / 256), (7, 1, 18 / 256)]
+)
+def test_discordant_pairs_are_as_rare_as_heads_of_a_coin(one, other, p):
+    assert mcnemar(one, other) == pytest.approx(p)

@@ -296,5 +296,6 @@ POINTMAZE = Protocol(
     metrics=metrics,
     alone=timed,
     parts="row",
+    arms="row",
     timed=frozenset({"planning_s", *SPEED_METRICS}),
 )

@@ -162,4 +162,5 @@ STATE_REPAIR = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    arms="method",
 )

@@ -9,7 +9,6 @@ down in docs/protocols/state-repair.md.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import lru_cache
 from itertools import product
 
@@ -48,11 +47,9 @@ def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signatur
 def run(trial: Trial) -> list[Row]:
     """One episode."""
     suite, task, state = trial["suite"], trial["task"], trial["state"]
-    runner = _runner(suite, task)
     random = np.random.default_rng([SEED, SUITES.index(suite), task, state])
     routing = Asked(ARMS[trial["method"]](random))
-    episode = replace(runner, loop=replace(runner.loop, routing=routing)).run(state)
-    return [_row(episode, routing.count)]
+    return [_row(_runner(suite, task).routing(routing).run(state), routing.count)]
 
 
 @lru_cache(maxsize=1)

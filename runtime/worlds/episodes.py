@@ -17,6 +17,7 @@ from runtime.loop.correction import CorrectionLoop
 from runtime.loop.diagnosis import satisfied
 from runtime.loop.proposer import Proposer
 from runtime.loop.records import GIVEN, Attempt, Episode, state_digest
+from runtime.loop.routing import Routing
 from runtime.worlds.environment import TaskEnvironment
 from runtime.worlds.required import required_of
 from runtime.worlds.world import TaskRef, World
@@ -151,9 +152,9 @@ class EpisodeRunner:
         """
         return () if self.placed or state_index != GIVEN else self.environment.uncertain()
 
-    def knowing(self, knowledge: Knowledge) -> EpisodeRunner:
-        """The same scene and budget under other rules."""
-        return replace(self, knowledge=knowledge, loop=replace(self.loop, knowledge=knowledge))
+    def routing(self, routing: Routing) -> EpisodeRunner:
+        """The same scene, rules and budget with another choice of routes."""
+        return replace(self, loop=replace(self.loop, routing=routing))
 
     def close(self) -> None:
         """Free the scene."""

@@ -3,12 +3,13 @@
 The trials are the 50 published ones and 300 fresh ones of the same kind, numbers 250 and up: those between were looked
 at while the rows were made, and are in no table. What verifies is the true state: a trial is a
 success within 0.5 m of the target, and its distance is that over (x, y, vx, vy) at its end. Predictions are counted
-apart: for each executed plan, what was predicted of its end and what the simulator showed of it.
+apart: for each executed plan, what was predicted of its end and what the simulator showed of it. The protocol is
+written down in docs/protocols/pointmaze.md.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, lru_cache
 from itertools import product
 from pathlib import Path
@@ -16,13 +17,15 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 
 from benchmarks.intervals import wilson
-from benchmarks.paired import bootstrap, holm, sign_flip
+from benchmarks.paired import bootstrap, crossed, holm
 from benchmarks.pointmaze_speed import from_nothing_minutes, grounding_ms, table_minutes
 from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.knowledge import load_knowledge
 from onto_compiler.schema import local_name
+from onto_compiler.tables import FIRST
 from runtime.trace.file import write_trace
 from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
 from runtime.worlds.pointmaze.maze import MACRO_STEPS, maze_named
@@ -33,26 +36,36 @@ from runtime.worlds.pointmaze.planning.rows import MAZE, ROWS, maze_rollout, pla
 from runtime.worlds.pointmaze.planning.trace import SUITE
 from runtime.worlds.pointmaze.trials import PUBLISHED, trial
 
-__all__ = ["BLOCKS", "COMPARED", "POINTMAZE", "SPEED_METRICS", "TRACES", "fact_names"]
+__all__ = ["BLOCKS", "COMPARED", "MEASURES", "POINTMAZE", "SPEED_METRICS", "TRACES", "fact_names"]
 
 BLOCKS = {"published": range(PUBLISHED), "fresh": range(250, 550)}
 SMALL = 2
 """Trials of each row, with the first model."""
 TRACES = Path("out/bench/pointmaze")
 """Where each trial leaves its trace: predicted and simulated ABoxes side by side, and what was tried."""
+_DRAWN = "random_search"
 _SPEED, _TIMED = "speed", ("grounding", "table", "from_nothing")
 SPEED_METRICS = ("grounding_300x5_ms", "table_min", "training_min", "from_nothing_min")
 COMPARED = {
     "onto_vs_event": ("onto", "event"),
     "onto_vs_feature": ("onto", "feature"),
     "onto_vs_feature_dinowm": ("onto", "feature_dinowm"),
+    "onto_vs_feature_images": ("onto", "feature_images"),
     "onto_vs_untyped": ("onto", "onto_untyped"),
     "search_vs_onto": ("search", "onto"),
     "search_vs_random": ("search", "random_search"),
     "search_vs_undirected": ("search", "undirected_search"),
+    "search_vs_constant": ("search", "constant_mechanism"),
     "search_vs_large": ("search", "large"),
 }
-"""Which rows' final distances are tested against each other."""
+"""Which rows are tested against each other."""
+MEASURES: Mapping[str, Callable[[Row], float]] = {
+    "distance": lambda row: float(row["distance"]),
+    "position": lambda row: float(row["position"]),
+    "velocity": lambda row: float(row["velocity"]),
+    "first_plan": lambda row: float(row["success"] and row["time"] <= 1),
+}
+"""What is tested, each with an adjustment of its own: the final distance, its two parts, success after one plan."""
 
 
 def trials(full: bool) -> list[Trial]:  # noqa: FBT001 - the protocol's signature
@@ -160,17 +173,32 @@ def metrics(rows: Sequence[Row]) -> Mapping[str, float]:
         found |= {name: row[name] for name in SPEED_METRICS if name in row}
     for name in ROWS:
         found |= _of_row(name, [row for row in whole if row["row"] == name])
-    means = {name: _by_trial([row for row in whole if row["row"] == name]) for name in ROWS}
-    p = {}
-    for name, (one, other) in COMPARED.items():
-        shared = sorted(set(means[one]) & set(means[other]))
-        if shared:
-            gaps = np.array([means[one][number] - means[other][number] for number in shared])
-            gap = name.replace("_vs_", "_minus_")
+    p: dict[str, dict[str, float]] = {measure: {} for measure in MEASURES}
+    for (name, (one, other)), (measure, value) in product(COMPARED.items(), MEASURES.items()):
+        models, gaps = _differences(whole, one, other, value)
+        if gaps.size:
+            suffix = "" if measure == "distance" else f"_{measure}"
+            gap = f"{name.replace('_vs_', '_minus_')}{suffix}"
             found[gap] = float(gaps.mean())
-            found[f"{gap}.low"], found[f"{gap}.high"] = bootstrap(gaps)
-            p[f"{name}_p"] = sign_flip(gaps)
-    return found | holm(p)
+            found[f"{gap}.low"], found[f"{gap}.high"], p[measure][f"{name}{suffix}_p"] = crossed(gaps)
+            found |= {
+                f"{gap}.model_{model}": float(mean) for model, mean in zip(models, gaps.mean(axis=1), strict=True)
+            }
+    for some in p.values():
+        found |= holm(some)
+    return found | _by_chance(whole)
+
+
+def _differences(
+    rows: Sequence[Row], one: str, other: str, value: Callable[[Row], float]
+) -> tuple[list[int], NDArray[np.float64]]:
+    """The models that both rows have, and ``value`` of ``one`` less that of ``other`` (models, trials they share)."""
+    of = {(row["row"], row["model"], row["trial"]): value(row) for row in rows if row["row"] in {one, other}}
+    models = sorted({model for name, model, _ in of if name == one} & {model for name, model, _ in of if name == other})
+    numbers = sorted({number for _, _, number in of})
+    shared = [n for n in numbers if all((name, model, n) in of for name, model in product((one, other), models))]
+    gaps = [[of[one, model, n] - of[other, model, n] for n in shared] for model in models]
+    return models, np.array(gaps, dtype=np.float64).reshape(len(models), len(shared))
 
 
 def _of_row(name: str, rows: Sequence[Row]) -> dict[str, float]:
@@ -214,6 +242,33 @@ def _answers(name: str, plans: Sequence[Mapping[str, Any]]) -> dict[str, float]:
     return {f"{key}.answers": len(some) for key, some in answers.items()} | shares
 
 
+def _by_chance(rows: Sequence[Row]) -> dict[str, float]:
+    """Of ``random_search``, whose mechanisms meet every failure: the shares in which each bettered its plan.
+
+    By mechanism, whatever failed; and of those answers whose mechanism is the one that the rules name first.
+    """
+    kept: dict[str, list[bool]] = {}
+    for plan in (plan for row in rows if row["row"] == _DRAWN for plan in row["predicted"]):
+        for failure, mechanism, better, *spent in plan.get("tried", ()):
+            if spent and spent[0]:
+                kept.setdefault(f"{mechanism}", []).append(better)
+                if mechanism == _first_routes().get(failure):
+                    kept.setdefault("by_rule", []).append(better)
+    shares = {f"{_DRAWN}_{name}.bettered": float(np.mean(some)) for name, some in kept.items()}
+    return shares | {f"{_DRAWN}_{name}.answered": len(some) for name, some in kept.items()}
+
+
+@cache
+def _first_routes() -> dict[str, str]:
+    """The plan route that the rules name first for each failure, both by local name."""
+    routing = load_knowledge().tables.routing.items()
+    return {
+        local_name(failure): local_name(entry.route)
+        for (_, failure, status, _, level), entry in routing
+        if (status, level) == (FIRST, "plan")
+    }
+
+
 @cache
 def fact_names() -> tuple[str, ...]:
     """The predicates of the required facts, in their order."""
@@ -241,5 +296,6 @@ POINTMAZE = Protocol(
     metrics=metrics,
     alone=timed,
     parts="row",
+    arms="row",
     timed=frozenset({"planning_s", *SPEED_METRICS}),
 )

@@ -45,12 +45,13 @@ class Protocol:
     holds its ``mode`` (``none``, ``state`` or ``controller``) and what it ``sees``; the engine adds the trial to it.
     Trials that are timed run ``alone``: in this process, one after another, when all others are done, however many
     processes there might be. ``parts`` names the field of a trial by whose values the protocol can be run part by part
-    (``onto bench NAME --part VALUE``). ``timed`` names the fields of a row that differ from run to run: times and
-    memory. ``of_tree`` names those that follow from this tree's own ontology and examples, which the trials take as
-    their input: another commit has others. ``of_processor`` names those whose last digits depend on the processor, for
-    which a numerical library or a driver that draws chooses its code. ``result`` is the name of the published file, if
-    not the protocol's. ``of_folder`` lists the trials instead, where they need a folder that a person names
-    (``onto bench NAME FOLDER``); such a protocol is neither part of ``all`` nor replayed.
+    (``onto bench NAME --part VALUE``). ``arms`` names the field that says which of the compared methods a trial is of:
+    a sample of the published rows takes them in turn. ``timed`` names the fields of a row that differ from run to run:
+    times and memory. ``of_tree`` names those that follow from this tree's own ontology and examples, which the trials
+    take as their input: another commit has others. ``of_processor`` names those whose last digits depend on the
+    processor, for which a numerical library or a driver that draws chooses its code. ``result`` is the name of the
+    published file, if not the protocol's. ``of_folder`` lists the trials instead, where they need a folder that a
+    person names (``onto bench NAME FOLDER``); such a protocol is neither part of ``all`` nor replayed.
     """
 
     name: str
@@ -61,6 +62,7 @@ class Protocol:
     metrics: Callable[[Sequence[Row]], Mapping[str, float]]
     alone: Callable[[Trial], bool] = _together
     parts: str = ""
+    arms: str = ""
     timed: frozenset[str] = frozenset()
     of_tree: frozenset[str] = frozenset()
     of_processor: frozenset[str] = frozenset()

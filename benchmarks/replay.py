@@ -14,6 +14,7 @@ import random
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +53,8 @@ def trials_of(protocol: Protocol, *, full: bool) -> list[Trial]:
 def sampled(protocol: Protocol, published: Mapping[str, Sequence[Row]], *, full: bool) -> list[Trial]:
     """Trials of ``protocol`` whose rows are ``published``, drawn with the protocol's name as the seed.
 
-    The full sample takes what :data:`BUDGET` and :data:`MOST` allow, and at least the cheapest trial.
+    The full sample takes what :data:`BUDGET` and :data:`MOST` allow, and at least the cheapest trial; a protocol's arms
+    are taken in turn, each at least once if it has a trial of the small sample.
     """
     known = {trial["key"]: trial for trial in protocol.trials(True)} if published else {}
     seconds = {key: float(rows[0]["seconds"]) for key, rows in published.items() if key in known}
@@ -63,12 +65,25 @@ def sampled(protocol: Protocol, published: Mapping[str, Sequence[Row]], *, full:
     if not full:
         cheap = [key for key in order if seconds[key] <= CHEAP and key not in costly]
         return [known[key] for key in cheap[:1]]
+    arm = {key: str(known[key].get(protocol.arms, "")) for key in order}
+    most = max(MOST, len(set(arm.values())))
     chosen: list[str] = []
-    for key in order:
-        if len(chosen) < MOST and key not in costly and sum(seconds[each] for each in (*chosen, key)) <= BUDGET:
+    for key in _in_turn(order, arm):
+        fits = sum(seconds[each] for each in (*chosen, key)) <= BUDGET
+        first = seconds[key] <= CHEAP and arm[key] not in {arm[each] for each in chosen}
+        if len(chosen) < most and key not in costly and (fits or first):
             chosen.append(key)
     cheapest = sorted(seconds, key=lambda key: (key in costly, seconds[key]))
     return [known[key] for key in chosen or cheapest[:1]]
+
+
+def _in_turn(keys: Sequence[str], arm: Mapping[str, str]) -> Iterator[str]:
+    """``keys``, one of each arm after the other, in their order within the arm."""
+    by_arm: dict[str, list[str]] = {}
+    for key in keys:
+        by_arm.setdefault(arm[key], []).append(key)
+    for turn in zip_longest(*by_arm.values()):
+        yield from (key for key in turn if key is not None)
 
 
 def run(trial: Trial) -> list[Row]:
@@ -184,5 +199,6 @@ REPLAY = Protocol(
     trials=trials,
     run=run,
     metrics=metrics,
+    parts="protocol",
     result="replayed",
 )

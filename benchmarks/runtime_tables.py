@@ -7,7 +7,7 @@ from typing import Any
 
 from benchmarks.grounding import KINDS
 from benchmarks.markdown import rate, table
-from benchmarks.state_repair import METHODS, SUITES
+from benchmarks.state_repair import CONTROLS, ENDPOINTS, METHODS, SUITES
 from runtime.worlds.robosuite.world import SUITE
 
 __all__ = ["demo_table", "demos_table", "grounding_table", "robosuite_table", "simulator_table", "state_repair_table"]
@@ -35,9 +35,9 @@ def demo_table(result: Result) -> str:
 
 
 def state_repair_table(result: Result) -> str:
-    """One line per suite and method."""
+    """One line per suite and arm; then one per control, compared with the rules on the states that both were given."""
     m = result["metrics"]
-    heads = ("suite", "routes", "episodes", "accepted [95 %]", "settled [95 %]", "one attempt per fact", "attempts")
+    heads = ("suite", "arm", "episodes", "accepted [95 %]", "one attempt per fact", "attempts", "routes asked")
     rows = []
     for suite in (*SUITES, "all"):
         for method in METHODS:
@@ -45,24 +45,52 @@ def state_repair_table(result: Result) -> str:
             rows.append(
                 (
                     f"`{suite}`" if suite != "all" else "all",
-                    {"typed": "by rule", "random_route": "at random"}[method],
+                    f"`{method}`",
                     str(m[f"{name}.n"]),
                     rate(m, f"{name}.accepted"),
-                    rate(m, f"{name}.settled"),
                     f"{m[f'{name}.one_attempt_per_fact']:.3f}",
                     f"{m[f'{name}.attempts']:.2f}",
+                    f"{m[f'{name}.asked']:.2f}",
                 )
             )
     odd = Counter(
-        f"`{r['suite']}` {r['task']}" for r in result["rows"] if r["method"] == "typed" and not r["premise_holds"]
+        f"`{r['suite']}` {r['task']}" for r in result["rows"] if r["method"] == "typed" and not r.get("premise_holds")
     )
     premises = ", ".join(f"{count} of {task}" for task, count in sorted(odd.items()))
+    failed = ", ".join(
+        f"{m[f'{method}.all.failed']} of `{method}` ({m[f'{method}.all.failed_without_attempt']} without an attempt)"
+        for method in METHODS
+    )
     note = (
         f"Without a correction the native predicate holds in {m['typed.all.initially_true']:.1%} of the episodes; "
-        f"{m['crashed']} crashed. The premise (the declared `:init`, after settling) was false in {odd.total()} "
-        f"episodes by rule: {premises or 'none'}."
+        f"{m['crashed']} crashed. Not accepted: {failed}. The premise (the declared `:init`, after settling) was "
+        f"false in {odd.total()} episodes of `typed`: {premises or 'none'}."
     )
-    return f"{table(heads, rows)}\n\n{note}"
+    return f"{table(heads, rows)}\n\n{_controls(m)}\n\n{note}"
+
+
+def _controls(m: dict[str, float]) -> str:
+    """Each control of the routing beside ``typed``: discordant states with their exact p, and what the arms spent."""
+    rows = []
+    for name, control in ((f"typed_vs_{control}", control) for control in CONTROLS):
+        tested = (
+            cell
+            for endpoint in ENDPOINTS
+            for cell in (
+                f"{m[f'{name}.{endpoint}.only_typed']} / {m[f'{name}.{endpoint}.only_control']}",
+                f"{m[f'{name}.{endpoint}.p']:.2g}",
+            )
+        )
+        spent = (
+            f"{m[f'{name}.{count}']:+.2f} [{m[f'{name}.{count}.low']:+.2f}, {m[f'{name}.{count}.high']:+.2f}]"
+            for count in ("attempts", "asked")
+        )
+        rows.append((f"`{control}`", str(m[f"{name}.pairs"]), *tested, *spent))
+    heads = (
+        *("against `typed`", "states", "accepted: only `typed` / only it", "p (McNemar, Holm)"),
+        *("one attempt per fact: only `typed` / only it", "p", "attempts more [95 %]", "routes asked more [95 %]"),
+    )
+    return table(heads, rows)
 
 
 def grounding_table(result: Result) -> str:

@@ -13,12 +13,11 @@ from grounding.observation import Observation
 from grounding.scenes import Scene
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
-from onto_compiler.tables import EXHAUSTED, FIRST, REPEAT
 from runtime.loop.diagnosis import diagnose_goal, select
 from runtime.loop.faults import RunFault
 from runtime.loop.proposer import Proposer, Request
 from runtime.loop.records import Application, Attempt, Diagnosis, Proposal, RouteDecision, Verification
-from runtime.loop.routing import route, route_or_none
+from runtime.loop.routing import Routing, by_rule
 
 __all__ = ["Correction", "CorrectionLoop", "Environment", "RunFault"]
 
@@ -86,11 +85,12 @@ class Correction:
 
 @dataclass(frozen=True, slots=True)
 class CorrectionLoop:
-    """The loop's fixed parts: the compiled ontology, a proposer per route name, and the budget of attempts."""
+    """The loop's fixed parts: the compiled ontology, a proposer per route name, the budget of attempts, the routing."""
 
     knowledge: Knowledge
     proposers: Mapping[str, Proposer]
     budget: int
+    routing: Routing = by_rule
 
     def run(
         self,
@@ -124,7 +124,7 @@ class _Run:
     rng: np.random.Generator
     attempts: list[Attempt] = field(default_factory=list)
     offered: dict[tuple[int, str], int] = field(default_factory=dict)  # candidates so far, by fact and route
-    rejected: RouteDecision | None = None
+    rejected: dict[int, str] = field(default_factory=dict)  # the route of the last rejected attempt, by fact
     lost: Verification | None = None  # a start that was accepted and did not settle
     unserved: dict[str, None] = field(default_factory=dict)  # routes without a proposer
 
@@ -179,10 +179,10 @@ class _Run:
 
     def _attempt(self, observation: Observation, diagnoses: tuple[Diagnosis, ...]) -> Attempt | None:
         """Steps 4 to 6 once; None when no route has a further candidate for the selected failure."""
-        environment = self.environment
-        decision, proposal = self._dispatch(select(diagnoses))
-        if environment is None or proposal is None:
+        environment, found = self.environment, self._dispatch(select(diagnoses))
+        if environment is None or found is None:
             return None
+        decision, proposal = found
         index = len(self.attempts)
         try:
             application = environment.apply(proposal)
@@ -191,25 +191,17 @@ class _Run:
                 verification = environment.settle(verification)
         except RunFault as fault:
             return Attempt(index, observation, diagnoses, decision, fault=str(fault))
-        self.rejected = None if _holds(verification) else decision
+        if not _holds(verification):
+            self.rejected[decision.diagnosis.index] = decision.route
         return Attempt(index, observation, diagnoses, decision, application, verification)
 
-    def _dispatch(self, selected: Diagnosis) -> tuple[RouteDecision, Proposal | None]:
-        """Follow the routing rules until a route has a candidate or all are exhausted."""
-        status, previous = FIRST, None
-        if self.rejected is not None and self.rejected.diagnosis.index == selected.index:
-            status, previous = REPEAT, self.rejected.route
-        spent: set[str] = set()
-        decision = route(selected, self.loop.knowledge, status, previous)
-        while True:
-            proposal = None if decision.route in spent else self._propose(decision)
-            if proposal is not None or decision.route in spent:
+    def _dispatch(self, selected: Diagnosis) -> tuple[RouteDecision, Proposal] | None:
+        """The first route with a candidate, and that candidate; None when all are exhausted."""
+        for decision in self.loop.routing(selected, self.loop.knowledge, self.rejected.get(selected.index)):
+            proposal = self._propose(decision)
+            if proposal is not None:
                 return decision, proposal
-            spent.add(decision.route)
-            following = route_or_none(selected, self.loop.knowledge, EXHAUSTED, decision.route)
-            if following is None:  # the route names no successor
-                return decision, None
-            decision = following
+        return None
 
     def _propose(self, decision: RouteDecision) -> Proposal | None:
         name = self.loop.knowledge.schema.routes[decision.route].name

@@ -2,15 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from typing import Protocol
 
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.schema import Schema, local_name
-from onto_compiler.tables import FIRST
+from onto_compiler.tables import EXHAUSTED, FIRST, REPEAT
 from runtime.loop.records import Diagnosis, RouteDecision
 
-__all__ = ["route", "route_or_none"]
+__all__ = ["Routing", "attempt_status", "by_rule", "route", "route_or_none"]
+
+
+class Routing(Protocol):
+    """Which routes a failure is sent along, the preferred one first; the correction loop's is :func:`by_rule`."""
+
+    def __call__(self, diagnosis: Diagnosis, knowledge: Knowledge, rejected: str | None) -> Iterator[RouteDecision]:
+        """The routes of one attempt: the loop takes the first that has a candidate.
+
+        ``rejected`` is the route of the last rejected attempt on the same fact in this episode, if there was one.
+        """
+        ...
+
+
+def by_rule(diagnosis: Diagnosis, knowledge: Knowledge, rejected: str | None) -> Iterator[RouteDecision]:
+    """The declared route, and after each route without a candidate the one that the rules name then; each once.
+
+    Raises:
+        OntoError: RUN004 if no routing rule speaks of the diagnosis.
+    """
+    asked = set[str]()
+    decision: RouteDecision | None = route(diagnosis, knowledge, attempt_status(rejected), rejected)
+    while decision is not None and decision.route not in asked:
+        yield decision
+        asked.add(decision.route)
+        decision = route_or_none(diagnosis, knowledge, EXHAUSTED, decision.route)
+
+
+def attempt_status(rejected: str | None) -> str:
+    """The status of an attempt on a fact whose last attempt in this episode followed the route ``rejected``, if any."""
+    return FIRST if rejected is None else REPEAT
 
 
 def route(

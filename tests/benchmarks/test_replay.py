@@ -40,6 +40,19 @@ def test_a_sample_is_the_same_each_time_and_within_its_budget():
     assert sampled(SHORT, published([1000.0]), full=False) == []
 
 
+def test_arms_are_sampled_in_turn_and_each_that_is_cheap_at_least_once():
+    arms = 15
+    several = replace(
+        SHORT, trials=lambda full: [{"key": f"t{n}", "arm": n % arms} for n in range(5 * arms)], arms="arm"
+    )
+    rows = {f"t{n}": [{"key": f"t{n}", "seconds": 3.0 if n % arms else 20.0}] for n in range(5 * arms)}
+    drawn = [trial["arm"] for trial in sampled(several, rows, full=True)]
+    assert set(range(1, arms)) <= set(drawn)
+    assert len(drawn) == len(set(drawn))
+    cheap = sampled(several, {key: [{**row, "seconds": 0.1} for row in some] for key, some in rows.items()}, full=True)
+    assert sorted(trial["arm"] for trial in cheap) == list(range(arms))
+
+
 def test_a_row_that_the_protocol_lists_no_more_is_not_drawn():
     rows = {"gone": [{"key": "gone", "seconds": 0.1}]}
     assert sampled(SHORT, rows, full=True) == []

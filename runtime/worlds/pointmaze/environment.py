@@ -169,6 +169,7 @@ class PointMazeEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         return {
             "success": bool(verdict.success),
             "is_success": bool(verdict.success),
+            "judge": "native",
             "state_distance": float(verdict.distance),
             "position_distance": float(verdict.position),
             "velocity_distance": float(verdict.velocity),

@@ -35,7 +35,8 @@ class RobosuiteEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
 
     Observations are robosuite's low-dimensional ones under its own names. ``terminated`` is robosuite's success, with a
     reward of 1; ``truncated`` is the horizon, or a simulation that diverged (``info["fault"]``). ``info`` holds
-    ``success``, the typed ``facts`` of the goal, and in ``failures`` a diagnosis and a route for each that is unmet.
+    ``success`` and its ``judge``, robosuite itself, the typed ``facts`` of the goal, and in ``failures`` a diagnosis
+    and a route for each that is unmet.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  gymnasium declares it as an instance's
@@ -109,6 +110,7 @@ class RobosuiteEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         return {
             "success": success,
             "is_success": success,
+            "judge": "native",
             "facts": report.facts,
             "failures": report.failures,
             "task": self._ref.name,

@@ -8,7 +8,8 @@ from onto_compiler.knowledge import load_knowledge
 from onto_compiler.rdf import CORE, MAN
 from onto_compiler.required import Entity, Fact, NativeAtom, RequiredABox
 from runtime.loop.correction import CorrectionLoop, RunFault
-from runtime.loop.records import Application, Proposal, Verification
+from runtime.loop.records import Application, Proposal, RouteDecision, Verification
+from runtime.loop.routing import by_rule
 
 TRUE, FALSE = Evidence(True, 0.01, "xy"), Evidence(False, -0.2, "xy")
 BOWL, PLATE = Entity("bowl_1", MAN + "Object"), Entity("plate_1", MAN + "Object")
@@ -90,10 +91,10 @@ class Unstable(Scripted):
         return Verification(verification.query, verification.outcome, not self.fallen, 20)
 
 
-def run(facts, environment, budget=4, predicted=None, alternatives=(), **counts):
+def run(facts, environment, budget=4, predicted=None, alternatives=(), routing=by_rule, **counts):
     names = ("source_joint_pose", "object_relation_predicate", "rack_contact_site", "source_joint_residual")
     proposers = {name: Offers(name, counts.get(name, 99)) for name in names}
-    loop = CorrectionLoop(load_knowledge(), proposers, budget)
+    loop = CorrectionLoop(load_knowledge(), proposers, budget, routing)
     required = RequiredABox("task", "do it", "problem", tuple(facts), alternatives=alternatives)
     seen = []
     rng = np.random.default_rng(0)
@@ -221,15 +222,44 @@ def test_joints_are_corrected_before_relations():
     assert [len(a.diagnoses) for a in result.attempts] == [2, 1]
 
 
-def test_a_fact_that_falls_false_again_is_dispatched_afresh_with_its_next_candidate():
+def test_a_fact_that_is_selected_again_is_rerouted_although_another_was_attempted_in_between():
     states = [[FALSE, FALSE], [FALSE, TRUE], [FALSE, FALSE], [TRUE, TRUE]]
     result = run([ON, OPEN], Scripted(states, [False, False, False, True]))
     assert routes(result) == [
         ("source_joint_pose", "Dispatch"),
         ("object_relation_predicate", "Dispatch"),
-        ("source_joint_pose", "Dispatch"),
+        ("source_joint_residual", "Reroute"),
     ]
-    assert [a.application.proposal.candidate for a in result.attempts] == [0, 0, 1]
+    last = result.attempts[-1].selected
+    assert (last.attempt_status, last.previous) == (CORE + "RepeatAttempt", MAN + "source_joint_pose")
+
+
+def test_a_fact_that_stays_unmet_while_another_is_attempted_keeps_its_place():
+    """After its residual route was followed: the next attempt on it is a retry, whatever was attempted in between."""
+    states = [[FALSE, TRUE], [FALSE, TRUE], [FALSE, FALSE], [FALSE, TRUE], [TRUE, TRUE]]
+    result = run([ON, OPEN], Scripted(states, [False, False, False, False, True]), budget=8)
+    assert routes(result) == [
+        ("object_relation_predicate", "Dispatch"),
+        ("source_joint_residual", "Reroute"),
+        ("source_joint_pose", "Dispatch"),
+        ("source_joint_residual", "Retry"),
+    ]
+    assert [a.application.proposal.candidate for a in result.attempts] == [0, 0, 0, 1]
+
+
+def test_a_routing_of_ones_own_is_asked_for_each_attempt_and_falls_through_to_its_next_route():
+    asked = []
+
+    def backwards(diagnosis, knowledge, rejected):
+        asked.append(rejected)
+        for iri in sorted(
+            (iri for iri, each in knowledge.schema.routes.items() if each.level == "state"), reverse=True
+        ):
+            yield RouteDecision(iri, diagnosis, "state", CORE + "Dispatch", "")
+
+    result = run([ON], Scripted([[FALSE]] * 3, [False] * 3), budget=2, routing=backwards, source_joint_residual=1)
+    assert [route for route, _ in routes(result)] == ["source_joint_residual", "source_joint_pose"]
+    assert asked == [None, MAN + "source_joint_residual"]
 
 
 def test_a_route_without_a_proposer_is_passed_over():

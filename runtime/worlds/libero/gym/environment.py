@@ -39,9 +39,10 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
     """One task; an action is OSC_POSE's, and a step is a control step of 1/20 s.
 
     A reset writes an initial state and lets it settle. It never builds a scene, and keeps nothing of an earlier
-    episode. ``terminated`` is LIBERO's success, with a reward of 1; ``truncated`` is the suite's horizon, or a
-    simulation that diverged (``info["fault"]``). ``info`` holds ``success``, the typed ``facts`` of the goal with their
-    margins, and in ``failures`` a diagnosis and a route for each that is unmet.
+    episode. ``terminated`` is success, with a reward of 1; ``truncated`` is the suite's horizon, or a simulation that
+    diverged (``info["fault"]``). ``info`` holds ``success``, whose ``judge`` is grounding: each required fact as it is
+    grounded here, not LIBERO's own predicate; the typed ``facts`` of the goal with their margins, and in ``failures`` a
+    diagnosis and a route for each that is unmet.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 20}  # noqa: RUF012  gymnasium declares it as an instance's
@@ -229,6 +230,7 @@ class LiberoEnv(gymnasium.Env[Observed, NDArray[np.float32]]):
         return {
             "success": report.success,
             "is_success": report.success,  # LeRobot's name
+            "judge": "grounding",
             "facts": report.facts,
             "failures": report.failures,
             "task": self._ref.name,

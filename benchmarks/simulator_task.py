@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-import os
 import time
 from collections.abc import Callable, Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import mujoco
@@ -25,7 +23,7 @@ if TYPE_CHECKING:
     from benchmarks.simulator_goal import NativeGoal
     from runtime.worlds.libero.simulator.native import NativeTask
 
-__all__ = ["digest", "made", "measure_task", "memory_mib", "random_actions", "rolled_out"]
+__all__ = ["digest", "made", "measure_task", "random_actions", "rolled_out"]
 
 SEED = 0
 STATE = 0  # the official initial state that everything starts from
@@ -61,16 +59,6 @@ def rolled_out(suite: str, task: int, many: int) -> str:
     simulation.settle(SETTLE)
     simulation.rollout(random_actions(many))
     return digest(simulation)
-
-
-def memory_mib() -> float:
-    """What this process holds in memory: at present on Linux, at most so far elsewhere."""
-    statm = Path("/proc/self/statm")
-    if statm.exists():
-        return int(statm.read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
-    import resource  # noqa: PLC0415 - not on Windows
-
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10
 
 
 def measure_task(suite: str, task: int, many: int, rounds: int, resets: int) -> Row:

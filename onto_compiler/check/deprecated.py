@@ -37,8 +37,11 @@ def check_deprecated(model: Model) -> Iterator[Finding]:
     }
     if not old:
         return
+    uses = [quad for quad in model.written if quad.predicate in old or quad.object in old]
+    if not uses:
+        return
     above = {quad.object: quad for quad in model.written if isinstance(quad.object, BlankNode)}
-    for quad in model.written:
+    for quad in uses:
         subject, predicate, value = cast("tuple[Term, NamedNode, Term]", (quad.subject, quad.predicate, quad.object))
         for term in {predicate, value} & old:
             # `isReplacedBy` in a vocabulary of one's own (Brick has one) is meant as Dublin Core's.

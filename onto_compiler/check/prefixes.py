@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 
 from pyoxigraph import NamedNode
 
@@ -28,7 +29,12 @@ def check_prefixes(model: Model) -> Iterator[tuple[Problem, NamedNode]]:
             yield problem, graph
 
 
-def _of_text(file: str, text: str) -> Iterator[Problem]:
+@lru_cache(maxsize=64)  # a keystroke changes one file of many
+def _of_text(file: str, text: str) -> tuple[Problem, ...]:
+    return tuple(_found(file, text))
+
+
+def _found(file: str, text: str) -> Iterator[Problem]:
     for match in _DECLARATION.finditer(text):
         name, namespace = match[1], match[2]
         line = text.count("\n", 0, match.start(1)) + 1

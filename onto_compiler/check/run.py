@@ -12,6 +12,7 @@ from pyoxigraph import BlankNode, Literal, NamedNode, Triple
 
 from onto_compiler.check.bindings import check_bindings
 from onto_compiler.check.consistency import check_consistency
+from onto_compiler.check.datatypes import check_datatypes
 from onto_compiler.check.deprecated import check_deprecated
 from onto_compiler.check.domains import check_domains
 from onto_compiler.check.finding import Finding, Term
@@ -228,6 +229,7 @@ _CHECKS: tuple[tuple[str, Callable[[Model], Iterable[Finding]]], ...] = (
     ("imports", check_imports),
     ("hierarchy", check_hierarchy),
     ("domains and ranges", check_domains),
+    ("datatypes", check_datatypes),
     ("deprecated terms", check_deprecated),
     ("standard vocabularies", check_terms),
     ("names in queries", check_query_terms),

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from pyoxigraph import Store
 
+from onto_compiler.check.datatypes import check_datatypes
 from onto_compiler.check.deprecated import check_deprecated
 from onto_compiler.check.domains import check_domains
 from onto_compiler.check.hierarchy import check_hierarchy
@@ -49,7 +50,7 @@ def quick_turtle(path: Path, text: str, around: Around = NOTHING, settings: Sett
         return _own(path, error.problems)
     found = (finding for one in query_checks() for finding in run_query(model, one))
     findings = [one for one in found if one.code != "OWL003" or one.object in model.unresolved]
-    findings += [*check_hierarchy(model), *check_domains(model), *check_deprecated(model)]
+    findings += [*check_hierarchy(model), *check_domains(model), *check_datatypes(model), *check_deprecated(model)]
     house = House(model, settings.namespaces, settings.select)
     problems = {house.judged_problem(problem, graph) for problem, graph in check_prefixes(model)}
     problems |= {*locate(model, house.judged(findings))}

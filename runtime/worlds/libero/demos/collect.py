@@ -21,7 +21,7 @@ from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 
 __all__ = ["COUNTS", "Collected", "CollectionRequest", "collect", "collect_task", "count_for"]
 
-FORMAT = 1  # of what is kept
+FORMAT = 2  # of what is kept
 COUNTS = {"libero_goal": 50, "libero_spatial": 10, "libero_object": 10, "libero_10": 10}
 """The default number of demonstrations per task, by suite."""
 _OTHER = 10

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from onto_compiler.problems import OntoError
 
-__all__ = ["h5py", "reading"]
+__all__ = ["PACKED", "h5py", "reading"]
+
+PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 4, "shuffle": True, "fletcher32": True}
+"""How arrays of many steps are stored."""
 
 
 def h5py() -> Any:  # noqa: ANN401  an untyped package

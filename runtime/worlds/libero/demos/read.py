@@ -12,10 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from onto_compiler.problems import OntoError
+from onto_compiler.wording import counted
 from runtime.worlds.libero.demos.hdf5 import reading
+from runtime.worlds.libero.demos.hidden import HiddenStates
 from runtime.worlds.libero.demos.records import IMAGES, DemoFile, Demonstration, Origin
-from runtime.worlds.libero.demos.snapshot_hdf5 import read_start
+from runtime.worlds.libero.demos.snapshot_hdf5 import read_hidden, read_start
 from runtime.worlds.libero.demos.write import ABOUT
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["load", "overview"]
 
@@ -90,6 +93,8 @@ def _demo(data: Any, name: str, path: str, *, images: bool) -> Demonstration:  #
     try:
         start = read_start(group["start"]) if "start" in group else None
         origin = _origin(group) if start is not None and "trial" in group.attrs else None
+        hidden = _hidden(group, arrays["states"], start) if "hidden" in group else None
+        truth, facts = _truth(group, count) if "truth" in group else (None, ())
     except (KeyError, ValueError, TypeError) as error:
         raise _layout(f"the record of `data/{name}` is damaged: {error}", path) from error
     first = np.asarray(group.attrs.get("init_state", arrays["states"][0]))
@@ -104,6 +109,9 @@ def _demo(data: Any, name: str, path: str, *, images: bool) -> Demonstration:  #
         pictures=pictures,
         start=start,
         origin=origin,
+        hidden=hidden,
+        truth=truth,
+        facts=facts,
     )
 
 
@@ -112,6 +120,20 @@ def _origin(group: Any) -> Origin:  # noqa: ANN401  as above
     for name in ("disturbances", "tries"):
         values[name] = tuple(json.loads(values[name]))
     return Origin(**values, intended=group["intended_actions"][()])
+
+
+def _hidden(group: Any, states: NDArray[Any], start: Snapshot | None) -> HiddenStates:  # noqa: ANN401  as above
+    if start is None:
+        raise ValueError("it has hidden states and no `start`")
+    return read_hidden(group["hidden"]).checked(states, start)
+
+
+def _truth(group: Any, count: int) -> tuple[NDArray[np.bool_], tuple[str, ...]]:  # noqa: ANN401  as above
+    truth = group["truth"][()]
+    facts = tuple(map(str, json.loads(group["truth"].attrs["facts"])))
+    if truth.dtype != np.bool_ or truth.shape != (count, len(facts)):
+        raise ValueError(f"`truth` is not of {count} steps and {counted(len(facts), 'fact')}")
+    return truth, facts
 
 
 def _group(parent: Any, key: str, path: str) -> Any:  # noqa: ANN401  as above

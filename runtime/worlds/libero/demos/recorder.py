@@ -1,4 +1,4 @@
-"""A simulation that records its states, its actions, and LIBERO's observations."""
+"""A simulation that records its states, hidden ones too, its actions, what is true, and LIBERO's observations."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from runtime.worlds.libero.simulator.actions import ACTION_SIZE, DUMMY_ACTION
 from runtime.worlds.libero.simulator.compiled import CompiledScene
 from runtime.worlds.libero.simulator.simulation import Simulation
+from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["DemoRecorder"]
 
@@ -26,13 +27,22 @@ class DemoRecorder(Simulation):
     """
 
     def __init__(
-        self, scene: CompiledScene, observe: Callable[[mujoco.MjData], Observed], holds: Callable[[mujoco.MjData], bool]
+        self,
+        scene: CompiledScene,
+        observe: Callable[[mujoco.MjData], Observed],
+        holds: Callable[[mujoco.MjData], bool],
+        facts: Callable[[mujoco.MjData], NDArray[np.bool_]],
     ) -> None:
-        """Record what ``observe`` reads, and when ``holds`` is true for the first time."""
-        self._observe, self._holds, self._seen = observe, holds, dict[str, NDArray[Any]]()
+        """Record what ``observe`` reads, when ``holds`` is true for the first time, and which ``facts`` (k,) hold.
+
+        ``holds`` is asked as LIBERO's environment asks after a step, with contacts that are one substep old; ``facts``
+        of the forwarded state.
+        """
+        self._observe, self._holds, self._facts, self._seen = observe, holds, facts, dict[str, NDArray[Any]]()
         self._disturb: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
         self._recording = False
         super().__init__(scene, exact=True)
+        self._forwarded = mujoco.MjData(scene.model)  # to forward the simulation itself would move its warm start
 
     def prepare(self, state: ArrayLike, steps: int) -> None:
         """Go to the flat ``state`` and let it settle for ``steps`` control steps, unrecorded; the last is observed."""
@@ -46,7 +56,8 @@ class DemoRecorder(Simulation):
         self._recording, self._disturb = True, disturb
         self.wanted: list[NDArray[np.float64]] = []
         self.actions: list[NDArray[np.float64]] = []
-        self.states: list[NDArray[np.float64]] = []
+        self.before: list[Snapshot] = []
+        self.truth: list[NDArray[np.bool_]] = []
         self.observed: list[Observed] = []
         self.success_step = 0  # counts actions; 0 while there was no success
 
@@ -65,14 +76,21 @@ class DemoRecorder(Simulation):
             return
         wanted = np.array(action, dtype=np.float64).reshape(ACTION_SIZE)
         done = wanted if self._disturb is None else self._disturb(wanted)
-        state, seen = self.flat_state, self._seen
+        before, seen = self.snapshot(), self._seen
         super().step(done, self._look)
         self.wanted.append(wanted)
         self.actions.append(done)
-        self.states.append(state)
+        self.before.append(before)
+        self.truth.append(self._true())
         self.observed.append(seen)
         if not self.success_step and self._holds(self.data):
             self.success_step = len(self.actions)
+
+    def _true(self) -> NDArray[np.bool_]:
+        forwarded = self._forwarded
+        forwarded.qpos[:], forwarded.qvel[:] = self.data.qpos, self.data.qvel
+        mujoco.mj_forward(self.model, forwarded)
+        return self._facts(forwarded)
 
     def _look(self) -> None:
         self._seen = dict(self._observe(self.data))

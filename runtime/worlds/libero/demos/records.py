@@ -6,8 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
+from onto_compiler.problems import OntoError
+from runtime.worlds.libero.demos.hidden import HiddenStates
 from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["IMAGES", "PROPRIO", "DemoFile", "Demonstration", "Origin"]
@@ -42,8 +45,10 @@ class Demonstration:
     ``states`` (n, 1 + nq + nv) is LIBERO's flat state before each action, ``actions`` (n, 7) are OSC_POSE's in [-1, 1],
     ``obs`` is what was observed, by LIBERO's key, (n, ...); ``rewards`` and ``dones`` (n,) are 1 at the end.
     ``pictures`` are the keys of all pictures in the file, read or not.
-    ``start`` is the whole state before the first action, from which a replay is exact; LIBERO's own files lack it, and
-    some derived from them lack ``robot_states`` (n, 9) and ``model_file`` too.
+    ``start`` is the whole state before the first action, from which a replay is exact, and ``hidden`` is what the flat
+    states leave out before every one. ``truth`` (n, k) says which of ``facts``, those of the goal in the order of the
+    required ABox, hold in the state after each action. LIBERO's own files lack these, and some derived from them lack
+    ``robot_states`` (n, 9) and ``model_file`` too.
     """
 
     name: str
@@ -58,9 +63,35 @@ class Demonstration:
     pictures: tuple[str, ...] = ()
     start: Snapshot | None = None
     origin: Origin | None = None
+    hidden: HiddenStates | None = None
+    truth: NDArray[np.bool_] | None = None
+    facts: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.actions)
+
+    @property
+    def onset(self) -> int | None:
+        """After how many actions all facts hold and stay true to the end, at least 1.
+
+        None if they do not hold at the end, or nothing is recorded of them. It may be later than the first success.
+        """
+        if self.truth is None or not self.truth[-1].all():
+            return None
+        undone = np.flatnonzero(~self.truth.all(axis=1))
+        return int(undone[-1]) + 2 if undone.size else 1
+
+    def snapshot(self, step: int) -> Snapshot:
+        """The whole state before action ``step`` (from 0), from which a replay is exact.
+
+        Raises ``DEM007`` without the hidden states, and ``IndexError`` if there is no such step.
+        """
+        if self.hidden is None or self.start is None:
+            message = f"`{self.name}` was recorded without the hidden state of every step"
+            raise OntoError.of("DEM007", message, "`onto demos collect` makes demonstrations that keep it")
+        if not 0 <= step < len(self):
+            raise IndexError(f"{self.name} has no step {step}: it has {len(self)}")
+        return self.hidden.snapshot(step, self.states[step], self.start)
 
 
 @dataclass(frozen=True, slots=True)

@@ -75,6 +75,9 @@ def _demo_record(demo: Demonstration) -> dict[str, Any]:
         "state_size": demo.states.shape[1],
         "images": list(demo.pictures),
         "window_record": demo.start is not None,
+        "hidden_states": demo.hidden is not None,
+        "facts": list(demo.facts),
+        "onset": demo.onset,
     }
     if (origin := demo.origin) is not None:
         names = ("trial", "seed", "state_index", "success_step", "severity", "disturbances", "tries")
@@ -89,11 +92,12 @@ def file_text(record: Mapping[str, Any]) -> str:
     length = counted(steps[0], "step")
     if len(steps) > 1:
         length = f"{min(steps)} to {max(steps)} steps (median {median(steps):g})"
-    whole = sum(demo["window_record"] for demo in demos)
+    whole, hidden = (sum(demo[key] for demo in demos) for key in ("window_record", "hidden_states"))
+    pictures = sum(bool(demo["images"]) for demo in demos)
     lines = [
         f"{record['suite']}/{record['task']}: {record['language']}",
         f"  {counted(len(demos), 'demonstration')} of {length}",
-        f"  {whole} with a window record, {sum(bool(demo['images']) for demo in demos)} with pictures",
+        f"  {whole} with a window record, {hidden} with the hidden state of every step, {pictures} with pictures",
     ]
     lines += [f"  {demo['demo']}: {demo['steps']} steps{_made(demo)}" for demo in demos]
     return "\n".join(lines) + "\n"
@@ -107,4 +111,5 @@ def _made(demo: Mapping[str, Any]) -> str:
     failed = sum(one["outcome"] != "held" for one in demo["tries"])
     again = f", {counted(failed, 'failed try', 'failed tries')}" if failed else ""
     start = f"state {demo['state_index']}, severity {demo['severity']:.2f}"
-    return f", success at {demo['success_step']}; {start}: {words}{again}"
+    lasting = "" if demo["onset"] in {None, demo["success_step"]} else f", for good at {demo['onset']}"
+    return f", success at {demo['success_step']}{lasting}; {start}: {words}{again}"

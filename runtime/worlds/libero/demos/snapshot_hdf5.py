@@ -1,4 +1,4 @@
-"""The window record: a :class:`Snapshot` in an HDF5 group, so that a replay starts from the whole state.
+"""Whole states in HDF5 groups: the window record (a :class:`Snapshot`), and the hidden state of every step.
 
 LIBERO's flat state leaves out the warm start, the fixtures' poses, the gripper's current action and the controller.
 """
@@ -10,11 +10,14 @@ from typing import Any
 
 import numpy as np
 
+from runtime.worlds.libero.demos.hdf5 import PACKED
+from runtime.worlds.libero.demos.hidden import HiddenStates
 from runtime.worlds.snapshot import Snapshot
 
-__all__ = ["read_start", "write_start"]
+__all__ = ["read_hidden", "read_start", "write_hidden", "write_start"]
 
 _ARRAYS = ("integration", "body_pos", "body_quat", "gripper_action")
+_STACKED = ("integration", "gripper_action")
 _CONTROLLER = "controller"
 
 
@@ -40,6 +43,22 @@ def read_start(group: Any) -> Snapshot:  # noqa: ANN401  h5py is untyped
     steps, seconds, done = json.loads(group.attrs["clock"])
     arrays = {name: group[name][()] for name in _ARRAYS}
     return Snapshot(**arrays, controller=controller, clock=(steps, seconds, done), scene=str(group.attrs["scene"]))
+
+
+def write_hidden(group: Any, hidden: HiddenStates) -> None:  # noqa: ANN401  h5py is untyped
+    """Write ``hidden`` into ``group``."""
+    for name in _STACKED:
+        group.create_dataset(name, data=getattr(hidden, name), **PACKED)
+    inner = group.create_group(_CONTROLLER)
+    for name, values in sorted(hidden.controller.items()):
+        inner.create_dataset(name, data=values, **PACKED)
+
+
+def read_hidden(group: Any) -> HiddenStates:  # noqa: ANN401  h5py is untyped
+    """What :func:`write_hidden` wrote; raises ``KeyError`` and ``ValueError`` for what it did not."""
+    inner = group[_CONTROLLER]
+    arrays = {name: group[name][()] for name in _STACKED}
+    return HiddenStates(**arrays, controller={name: inner[name][()] for name in inner})
 
 
 def _plain(value: Any) -> Any:  # noqa: ANN401  a number, a truth value or None

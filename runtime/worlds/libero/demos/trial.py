@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
-from runtime.loop.diagnosis import unmet
+from runtime.loop.diagnosis import satisfied, unmet
 from runtime.loop.faults import RunFault
 from runtime.worlds.libero.demos.describe import SIZE
 from runtime.worlds.libero.demos.disturb import Disturber
+from runtime.worlds.libero.demos.hidden import hidden_of
 from runtime.worlds.libero.demos.proprioception import OBSERVED, proprioception, robot_states
 from runtime.worlds.libero.demos.recorder import DemoRecorder
 from runtime.worlds.libero.demos.records import IMAGES, Demonstration, Origin
@@ -32,7 +33,6 @@ from runtime.worlds.libero.simulator.assets import TaskRef, initial_states
 from runtime.worlds.libero.simulator.compiled import compile_scene
 from runtime.worlds.libero.skills.play import PlayedEpisode, Player
 from runtime.worlds.required import required_of
-from runtime.worlds.snapshot import Snapshot
 
 __all__ = ["AFTER", "HELD_OUT", "PAST", "TaskCollector"]
 
@@ -56,7 +56,7 @@ class TaskCollector:
         self._views = Views(scene.model, cameras, (SIZE, SIZE), "opengl", fast=False)
         self._keys = {f"{camera}_image": key for key, camera in IMAGES.items()} if images else {}
         self._released = Released(scene.model)
-        self._recorder = DemoRecorder(scene, self._look, self._holds)
+        self._recorder = DemoRecorder(scene, self._look, self._holds, self._satisfied)
 
     def collect(self, trial: int) -> Demonstration | str:
         """The demonstration of ``trial`` (from 0), or why it gave none.
@@ -72,7 +72,6 @@ class TaskCollector:
         recorder = self._recorder
         try:
             recorder.prepare(self._states[index], PREMISE_STEPS)
-            start = recorder.snapshot()
             recorder.begin(disturber)
             horizon = horizon_of(self._ref.suite)
             played = self._player.reactive(recorder, horizon)
@@ -98,11 +97,12 @@ class TaskCollector:
             tuple(asdict(one) for one in played.tries),
             np.array(recorder.wanted),
         )
-        return self._demonstration(start, origin)
+        return self._demonstration(origin)
 
-    def _demonstration(self, start: Snapshot, origin: Origin) -> Demonstration:
+    def _demonstration(self, origin: Origin) -> Demonstration:
         recorder = self._recorder
-        states, count = np.array(recorder.states), len(recorder.actions)
+        before, count, flat = recorder.before, len(recorder.actions), recorder.state_size
+        states = np.stack([one.integration[:flat] for one in before])
         last = np.zeros(count, dtype=np.uint8)
         last[-1] = 1
         pictures = {key: np.stack([seen[image] for seen in recorder.observed]) for image, key in self._keys.items()}
@@ -117,12 +117,18 @@ class TaskCollector:
             init_state=states[0],
             model_file=self._model_file,
             pictures=tuple(pictures),
-            start=start,
+            start=before[0],
             origin=origin,
+            hidden=hidden_of(before, flat),
+            truth=np.stack(recorder.truth),
+            facts=tuple(map(str, self._required.facts)),
         )
 
     def _holds(self, data: mujoco.MjData) -> bool:
         return not unmet(self._required, self._player.grounder.observe(data))
+
+    def _satisfied(self, data: mujoco.MjData) -> NDArray[np.bool_]:
+        return satisfied(self._required.facts, self._player.grounder.observe(data))
 
     def _lacking(self, data: mujoco.MjData) -> str:
         """Why the present state is not a good end, or nothing."""

@@ -15,14 +15,13 @@ import numpy as np
 
 from onto_compiler.atomic import replacing
 from onto_compiler.problems import OntoError
-from runtime.worlds.libero.demos.hdf5 import h5py
+from runtime.worlds.libero.demos.hdf5 import PACKED, h5py
 from runtime.worlds.libero.demos.records import Demonstration
-from runtime.worlds.libero.demos.snapshot_hdf5 import write_start
+from runtime.worlds.libero.demos.snapshot_hdf5 import write_hidden, write_start
 
 __all__ = ["ABOUT", "merge", "write"]
 
 ABOUT = "onto"  # the attribute of the group ``data`` in which a file of ours says how it was made
-_PACKED = {"compression": "gzip", "compression_opts": 4, "shuffle": True, "fletcher32": True}
 
 
 def write(path: Path, attributes: Mapping[str, Any], about: Mapping[str, Any], demos: Iterable[Demonstration]) -> None:
@@ -90,20 +89,24 @@ def _write_demo(group: Any, demo: Demonstration) -> None:  # noqa: ANN401  as ab
     for name in ("actions", "states", "robot_states", "rewards", "dones"):
         value = getattr(demo, name)
         if value is not None:
-            group.create_dataset(name, data=value, **_PACKED)
+            group.create_dataset(name, data=value, **PACKED)
     obs = group.create_group("obs")
     for name, value in sorted(demo.obs.items()):
         # A picture is a chunk, so that a reader that wants one frame decompresses one.
         chunks = {"chunks": (1, *value.shape[1:])} if value.dtype == np.uint8 else {}
-        obs.create_dataset(name, data=value, **chunks, **_PACKED)
+        obs.create_dataset(name, data=value, **chunks, **PACKED)
     group.attrs["num_samples"] = len(demo)
     group.attrs["model_file"] = demo.model_file
     group.attrs["init_state"] = demo.init_state
     if demo.start is not None:
         write_start(group.create_group("start"), demo.start)
+    if demo.hidden is not None:
+        write_hidden(group.create_group("hidden"), demo.hidden)
+    if demo.truth is not None:
+        group.create_dataset("truth", data=demo.truth, **PACKED).attrs["facts"] = json.dumps(demo.facts)
     if demo.origin is not None:
         origin = demo.origin
-        group.create_dataset("intended_actions", data=origin.intended, **_PACKED)
+        group.create_dataset("intended_actions", data=origin.intended, **PACKED)
         for name in ("trial", "seed", "state_index", "success_step", "severity"):
             group.attrs[name] = getattr(origin, name)
         group.attrs["disturbances"] = json.dumps(origin.disturbances, sort_keys=True)

@@ -55,3 +55,14 @@ def published(path, *, images=True):
             demo.attrs["model_file"] = "<mujoco/>"
             demo.attrs["init_state"] = states[0]
     return path
+
+
+def same(ours, theirs):
+    """Assert that two snapshots hold the same bits."""
+    for name in ("integration", "body_pos", "body_quat", "gripper_action"):
+        np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name), strict=True)
+    assert (ours.clock, ours.scene) == (theirs.clock, theirs.scene)
+    assert ours.controller.keys() == theirs.controller.keys()
+    for name, value in ours.controller.items():
+        np.testing.assert_array_equal(value, theirs.controller[name], err_msg=name)
+        assert type(value) is type(theirs.controller[name])

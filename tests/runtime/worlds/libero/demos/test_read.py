@@ -5,6 +5,7 @@ import pytest
 
 from onto_compiler.problems import OntoError
 from tests.runtime.worlds.libero.demos import made
+from tests.runtime.worlds.libero.demos.made import same
 
 h5py = pytest.importorskip("h5py")
 pytestmark = pytest.mark.sim
@@ -44,6 +45,7 @@ def test_a_file_as_libero_publishes_them_is_read_whole_and_in_the_order_of_its_n
                 np.testing.assert_array_equal(getattr(demo, key), raw[f"data/{demo.name}/{key}"])
             assert demo.start is None
             assert demo.origin is None
+            assert (demo.hidden, demo.truth, demo.facts, demo.onset) == (None, None, (), None)
     assert file.attributes["tag"] == "libero-v1"
     assert file.about == {}
 
@@ -144,3 +146,7 @@ def test_demonstrations_that_were_read_are_written_as_they_were(sample, tmp_path
             k: np.array_equal(v, theirs.start.controller[k]) for k, v in ours.start.controller.items()
         } == dict.fromkeys(theirs.start.controller, True)
         assert ours.origin.tries == theirs.origin.tries
+        for step in range(len(theirs)):
+            same(ours.snapshot(step), theirs.snapshot(step))
+        np.testing.assert_array_equal(ours.truth, theirs.truth)
+        assert ours.facts == theirs.facts

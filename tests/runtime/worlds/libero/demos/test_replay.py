@@ -48,7 +48,7 @@ def test_without_a_window_record_a_replay_starts_from_the_flat_state_and_says_so
     shutil.copy(sample, path)
     with h5py.File(path, "r+") as file:
         del file["data/demo_1"]
-        del file["data/demo_0/start"]
+        del file["data/demo_0/start"], file["data/demo_0/hidden"]
     (found,) = replay(path)
     assert not found.whole
     assert found.recorded == 0

@@ -35,14 +35,12 @@ class DemoRecorder(Simulation):
     ) -> None:
         """Record what ``observe`` reads, when ``holds`` is true for the first time, and which ``facts`` (k,) hold.
 
-        ``holds`` is asked as LIBERO's environment asks after a step, with contacts that are one substep old; ``facts``
-        of the forwarded state.
+        ``holds`` is asked as LIBERO's environment asks after a step, with contacts that are one substep old.
         """
         self._observe, self._holds, self._facts, self._seen = observe, holds, facts, dict[str, NDArray[Any]]()
         self._disturb: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
         self._recording = False
         super().__init__(scene, exact=True)
-        self._forwarded = mujoco.MjData(scene.model)  # to forward the simulation itself would move its warm start
 
     def prepare(self, state: ArrayLike, steps: int) -> None:
         """Go to the flat ``state`` and let it settle for ``steps`` control steps, unrecorded; the last is observed."""
@@ -81,16 +79,10 @@ class DemoRecorder(Simulation):
         self.wanted.append(wanted)
         self.actions.append(done)
         self.before.append(before)
-        self.truth.append(self._true())
+        self.truth.append(self._facts(self.data))
         self.observed.append(seen)
         if not self.success_step and self._holds(self.data):
             self.success_step = len(self.actions)
-
-    def _true(self) -> NDArray[np.bool_]:
-        forwarded = self._forwarded
-        forwarded.qpos[:], forwarded.qvel[:] = self.data.qpos, self.data.qvel
-        mujoco.mj_forward(self.model, forwarded)
-        return self._facts(forwarded)
 
     def _look(self) -> None:
         self._seen = dict(self._observe(self.data))

@@ -13,7 +13,7 @@ from onto_compiler.problems import OntoError
 from runtime.worlds.libero.demos.hidden import HiddenStates
 from runtime.worlds.snapshot import Snapshot
 
-__all__ = ["IMAGES", "PROPRIO", "DemoFile", "Demonstration", "Origin"]
+__all__ = ["IMAGES", "PROPRIO", "DemoFile", "Demonstration", "Origin", "lacking"]
 
 PROPRIO = ("ee_ori", "ee_pos", "ee_states", "gripper_states", "joint_states")
 IMAGES = {"agentview_rgb": "agentview", "eye_in_hand_rgb": "robot0_eye_in_hand"}
@@ -87,11 +87,16 @@ class Demonstration:
         Raises ``DEM007`` without the hidden states, and ``IndexError`` if there is no such step.
         """
         if self.hidden is None or self.start is None:
-            message = f"`{self.name}` was recorded without the hidden state of every step"
-            raise OntoError.of("DEM007", message, "`onto demos collect` makes demonstrations that keep it")
+            raise lacking(self, "hidden state")
         if not 0 <= step < len(self):
             raise IndexError(f"{self.name} has no step {step}: it has {len(self)}")
         return self.hidden.snapshot(step, self.states[step], self.start)
+
+
+def lacking(demo: Demonstration, what: str, why: str = "", file: str = "") -> OntoError:
+    """The error that ``demo`` in ``file`` does not keep ``what`` for each step, and ``why`` that matters."""
+    message = f"`{demo.name}` was recorded without the {what} of every step{why}"
+    return OntoError.of("DEM007", message, "`onto demos collect` makes demonstrations that keep it", file)
 
 
 @dataclass(frozen=True, slots=True)

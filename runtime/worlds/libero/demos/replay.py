@@ -15,7 +15,7 @@ from runtime.worlds.libero.demos.records import DemoFile, Demonstration
 from runtime.worlds.libero.simulator.assets import TaskRef, find_task
 from runtime.worlds.libero.simulator.native import NativeTask
 
-__all__ = ["AFTER", "DemoReplay", "replay", "replay_file"]
+__all__ = ["AFTER", "DemoReplay", "replay", "replay_file", "task_of"]
 
 AFTER = 20  # control steps without motion, after which the task must still be done
 
@@ -57,7 +57,7 @@ def replay(path: str | Path) -> Iterator[DemoReplay]:
             task or has another of that name; ``SIM003`` and ``SIM004`` for a state of another scene.
     """
     file = load(path)
-    with NativeTask.open(_task_of(file)) as task:
+    with NativeTask.open(task_of(file)) as task:
         for demo in file.demos:
             yield _replay(task, file, demo)
 
@@ -103,7 +103,8 @@ def _replay(task: NativeTask, file: DemoFile, demo: Demonstration) -> DemoReplay
     )
 
 
-def _task_of(file: DemoFile) -> TaskRef:
+def task_of(file: DemoFile) -> TaskRef:
+    """The installed task that was recorded; raises ``DEM005`` if there is none, or another of that name."""
     try:
         ref = find_task(file.suite, file.task)
     except OntoError as error:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from onto_compiler.knowledge import Knowledge
 from onto_compiler.required import RequiredABox
-from runtime.loop.diagnosis import satisfied, unmet
+from runtime.loop.diagnosis import unmet
 from runtime.loop.faults import RunFault
 from runtime.worlds.libero.demos.describe import SIZE
 from runtime.worlds.libero.demos.disturb import Disturber
@@ -26,6 +26,7 @@ from runtime.worlds.libero.demos.recorder import DemoRecorder
 from runtime.worlds.libero.demos.records import IMAGES, Demonstration, Origin
 from runtime.worlds.libero.demos.released import Released
 from runtime.worlds.libero.loop.environment import PREMISE_STEPS
+from runtime.worlds.libero.scene.facts import ForwardedFacts
 from runtime.worlds.libero.scene.horizons import horizon_of
 from runtime.worlds.libero.scene.observations import Observer
 from runtime.worlds.libero.scene.views import Views
@@ -56,7 +57,7 @@ class TaskCollector:
         self._views = Views(scene.model, cameras, (SIZE, SIZE), "opengl", fast=False)
         self._keys = {f"{camera}_image": key for key, camera in IMAGES.items()} if images else {}
         self._released = Released(scene.model)
-        self._recorder = DemoRecorder(scene, self._look, self._holds, self._satisfied)
+        self._recorder = DemoRecorder(scene, self._look, self._holds, ForwardedFacts(self._player.grounder))
 
     def collect(self, trial: int) -> Demonstration | str:
         """The demonstration of ``trial`` (from 0), or why it gave none.
@@ -126,9 +127,6 @@ class TaskCollector:
 
     def _holds(self, data: mujoco.MjData) -> bool:
         return not unmet(self._required, self._player.grounder.observe(data))
-
-    def _satisfied(self, data: mujoco.MjData) -> NDArray[np.bool_]:
-        return satisfied(self._required.facts, self._player.grounder.observe(data))
 
     def _lacking(self, data: mujoco.MjData) -> str:
         """Why the present state is not a good end, or nothing."""

@@ -93,8 +93,12 @@ class Simulation:
         ``fixtures`` are the fixtures' poses, by default those of the scene's home; see :meth:`restore`.
         Raises ``SIM004`` when the state is another scene's, ``SIM003`` when it is not finite.
         """
+        self.reset_from(self.scene.home.placed(fixtures), state)
+
+    def reset_from(self, home: Snapshot, state: ArrayLike) -> None:
+        """The same after a ``reset`` that left the scene at ``home``, where what the flat state lacks comes from."""
         flat = self._flat.checked(state)
-        self.restore(self.scene.home.placed(fixtures))
+        self.restore(home)
         data, nq = self.data, self.model.nq
         data.time = flat[0]
         data.qpos[:] = flat[1 : 1 + nq]

@@ -1,0 +1,1 @@
+"""Windows of demonstrations, replayed from LIBERO's flat state, and why some of them fail."""

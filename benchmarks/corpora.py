@@ -19,7 +19,7 @@ from zipfile import ZipFile
 
 from pyoxigraph import RdfFormat, Triple, parse, serialize
 
-from benchmarks.program import PROGRAM
+from benchmarks.program import PROGRAM, spent
 from benchmarks.protocol import Protocol, Row, Trial, alone
 from onto_compiler.problems import OntoError
 
@@ -167,8 +167,6 @@ def _statements(file: Path) -> Iterator[Triple]:
 
 
 def _checked(files: Sequence[Path]) -> tuple[list[dict[str, str]], dict[str, float]]:
-    from benchmarks.wild_runs import spent  # noqa: PLC0415 - only where it is run
-
     with tempfile.TemporaryDirectory() as name:
         report = Path(name) / "found.json"
         command = [sys.executable, "-c", PROGRAM, "check", "--no-cache", "--json", *map(str, files)]

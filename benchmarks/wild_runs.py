@@ -2,50 +2,20 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from pyoxigraph import RdfFormat, parse
 
-from benchmarks.memory import peak_mib
-from benchmarks.program import PROGRAM, as_a_person_has_it
+from benchmarks.program import PROGRAM, spent
 from benchmarks.wild_made import brick_shapes, building, ontology_text
 from benchmarks.wild_pairs import read_report
 
-__all__ = ["beside_pyshacl", "checked", "spent"]
+__all__ = ["beside_pyshacl", "checked"]
 
-_LOOK_S = 0.02  # between two looks at the memory of a command
 _PYSHACL = (sys.executable, "-m", "pyshacl", "--advanced", "--inference", "none")
-
-
-def spent(command: list[str], environment: Mapping[str, str], output: Path | None = None) -> dict[str, float]:
-    """Processor seconds and peak memory in MiB of one command, whatever it finds; its ``output`` goes to a file.
-
-    Raises:
-        RuntimeError: it could not run.
-    """
-    env = as_a_person_has_it(environment)
-    with (
-        (output or Path(os.devnull)).open("wb") as out,
-        subprocess.Popen(  # noqa: S603 - our own program
-            command, env=env, stdout=out, stderr=subprocess.DEVNULL
-        ) as child,
-    ):
-        peak = 0.0
-        while not os.waitid(os.P_PID, child.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT):
-            peak = max(peak, peak_mib(child.pid))
-            time.sleep(_LOOK_S)
-        _, status, usage = os.wait4(child.pid, 0)
-        child.returncode = os.waitstatus_to_exitcode(status)
-    if child.returncode not in {0, 1}:  # findings are the rule
-        raise RuntimeError(f"{command[-1]} ended with {child.returncode}")
-    return {"cpu_s": round(usage.ru_utime + usage.ru_stime, 4), "peak_mib": round(peak, 1)}
 
 
 def checked(terms: int) -> dict[str, Any]:

@@ -5,7 +5,7 @@ import re
 import pytest
 from pyoxigraph import RdfFormat, parse
 
-from benchmarks import corpora, wild_runs
+from benchmarks import corpora
 from benchmarks.wild import FOUR, WILD
 from benchmarks.wild_corrections import CORRECTIONS
 from benchmarks.wild_damage import damaged, run_quietly
@@ -176,7 +176,7 @@ def test_a_folder_of_checkouts_is_checked(tmp_path, monkeypatch):
     (tmp_path / "gist" / "ontologies").mkdir(parents=True)
     (tmp_path / "gist/ontologies/one.ttl").write_text(f"{PREFIXES}ex:A a owl:Klass .\n")
     (trial,) = corpora.of_folder(tmp_path)
-    monkeypatch.setattr(wild_runs, "spent", spent_within)
+    monkeypatch.setattr(corpora, "spent", spent_within)
     (row,) = corpora.run(trial)
     assert (row["files"], row["triples"], row["folder"]) == (1, 1, "gist")
     assert "VOC011 error" in row["codes"]
